@@ -1,0 +1,3 @@
+//! Cities: a plan first, triangles last.
+
+pub mod toronto;

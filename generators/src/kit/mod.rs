@@ -1,0 +1,1 @@
+//! What regions share: height fields, erosion, triangulation, streets, buildings, vegetation, vehicles.

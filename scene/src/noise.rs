@@ -1,0 +1,137 @@
+//! Hashed gradient noise: a pure function of place and seed, the same bits everywhere.
+//!
+//! After Perlin, "Improving Noise" (SIGGRAPH 2002): quintic fade, gradients at lattice points. Gradients are drawn by an
+//! integer hash with full 32-bit seeds (the `noise` crate's permutation table repeats after 256 cells: a visible lattice
+//! on a frame that spans thousands of them).
+
+/// Mixes a lattice cell and a seed to 32 uniform bits (the finaliser of Murmur3 over a linear combination).
+#[inline]
+pub fn hash_cell(x: i32, y: i32, z: i32, seed: u32) -> u32 {
+    let mut h = seed ^ 0x9e37_79b9;
+    for word in [x as u32, y as u32, z as u32] {
+        h ^= word.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593);
+        h = h.rotate_left(13).wrapping_mul(5).wrapping_add(0xe654_6b64);
+    }
+    h ^= h >> 16;
+    h = h.wrapping_mul(0x85eb_ca6b);
+    h ^= h >> 13;
+    h = h.wrapping_mul(0xc2b2_ae35);
+    h ^ (h >> 16)
+}
+
+/// The upper 24 bits of a hash as a float in [0, 1).
+#[inline]
+pub fn unit_from_hash(hash: u32) -> f32 {
+    (hash >> 8) as f32 * (1.0 / (1 << 24) as f32)
+}
+
+#[inline]
+fn fade(t: f32) -> f32 {
+    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+}
+
+#[inline]
+fn lerp(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+/// Splits a coordinate into its cell and the fraction within. Cells beyond i32 saturate.
+#[inline]
+fn cell(x: f64) -> (i32, f32) {
+    let floor = libm::floor(x);
+    (floor as i32, (x - floor) as f32)
+}
+
+/// Gradient noise over the plane, mean 0, range about -1..1, wavelength about 1.
+#[inline]
+pub fn gradient_noise_2d(x: f64, y: f64, seed: u32) -> f32 {
+    // Sixteen unit directions, cos and sin of k * 22.5 deg.
+    const D: [[f32; 2]; 16] = [
+        [1.0, 0.0],
+        [0.923_879_5, 0.382_683_43],
+        [core::f32::consts::FRAC_1_SQRT_2, core::f32::consts::FRAC_1_SQRT_2],
+        [0.382_683_43, 0.923_879_5],
+        [0.0, 1.0],
+        [-0.382_683_43, 0.923_879_5],
+        [-core::f32::consts::FRAC_1_SQRT_2, core::f32::consts::FRAC_1_SQRT_2],
+        [-0.923_879_5, 0.382_683_43],
+        [-1.0, 0.0],
+        [-0.923_879_5, -0.382_683_43],
+        [-core::f32::consts::FRAC_1_SQRT_2, -core::f32::consts::FRAC_1_SQRT_2],
+        [-0.382_683_43, -0.923_879_5],
+        [0.0, -1.0],
+        [0.382_683_43, -0.923_879_5],
+        [core::f32::consts::FRAC_1_SQRT_2, -core::f32::consts::FRAC_1_SQRT_2],
+        [0.923_879_5, -0.382_683_43],
+    ];
+    let (ix, fx) = cell(x);
+    let (iy, fy) = cell(y);
+    let corner = |dx: i32, dy: i32| {
+        let g = D[(hash_cell(ix.wrapping_add(dx), iy.wrapping_add(dy), 0, seed) >> 28) as usize];
+        g[0] * (fx - dx as f32) + g[1] * (fy - dy as f32)
+    };
+    let (u, v) = (fade(fx), fade(fy));
+    let value = lerp(lerp(corner(0, 0), corner(1, 0), u), lerp(corner(0, 1), corner(1, 1), u), v);
+    value * core::f32::consts::SQRT_2
+}
+
+/// Gradient noise over space, mean 0, range about -1..1, wavelength about 1.
+#[inline]
+pub fn gradient_noise_3d(x: f64, y: f64, z: f64, seed: u32) -> f32 {
+    let (ix, fx) = cell(x);
+    let (iy, fy) = cell(y);
+    let (iz, fz) = cell(z);
+    let corner = |dx: i32, dy: i32, dz: i32| {
+        let h = hash_cell(ix.wrapping_add(dx), iy.wrapping_add(dy), iz.wrapping_add(dz), seed) >> 28;
+        let (a, b, c) = (fx - dx as f32, fy - dy as f32, fz - dz as f32);
+        // The twelve edge directions of a cube, four of them twice.
+        let u = if h < 8 { a } else { b };
+        let v = if h < 4 {
+            b
+        } else if h == 12 || h == 14 {
+            a
+        } else {
+            c
+        };
+        (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
+    };
+    let (u, v, w) = (fade(fx), fade(fy), fade(fz));
+    let low = lerp(lerp(corner(0, 0, 0), corner(1, 0, 0), u), lerp(corner(0, 1, 0), corner(1, 1, 0), u), v);
+    let high = lerp(lerp(corner(0, 0, 1), corner(1, 0, 1), u), lerp(corner(0, 1, 1), corner(1, 1, 1), u), v);
+    lerp(low, high, w)
+}
+
+/// Standard deviation of [`gradient_noise_2d`] and [`gradient_noise_3d`], measured; filters need it.
+pub(crate) const NOISE_DEVIATION: f32 = 0.29;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_centred_bounded_and_of_the_stated_deviation() {
+        for dim in [2, 3] {
+            let (mut sum, mut square, mut peak) = (0.0, 0.0, 0.0_f64);
+            let n = 200_000;
+            for i in 0..n {
+                let (x, y, z) = (i as f64 * 0.1371, (i % 977) as f64 * 0.713, (i % 313) as f64 * 0.377);
+                let v = f64::from(if dim == 2 { gradient_noise_2d(x, y, 9) } else { gradient_noise_3d(x, y, z, 9) });
+                sum += v;
+                square += v * v;
+                peak = peak.max(v.abs());
+            }
+            let deviation = (square / f64::from(n)).sqrt();
+            assert!((sum / f64::from(n)).abs() < 0.02, "{dim}: mean {}", sum / f64::from(n));
+            assert!(peak <= 1.2, "{dim}: peak {peak}");
+            assert!((deviation - f64::from(NOISE_DEVIATION)).abs() < 0.025, "{dim}: {deviation}");
+        }
+    }
+
+    #[test]
+    fn noise_vanishes_on_its_lattice_and_is_continuous() {
+        assert_eq!(gradient_noise_2d(5.0, -3.0, 1), 0.0);
+        let a = gradient_noise_3d(1.999_999, 0.3, 0.4, 1);
+        let b = gradient_noise_3d(2.000_001, 0.3, 0.4, 1);
+        assert!((a - b).abs() < 1e-4);
+    }
+}
