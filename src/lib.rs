@@ -1,0 +1,2 @@
+//! satseed
+pub mod dataset;
