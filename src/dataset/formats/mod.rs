@@ -171,8 +171,8 @@ impl Plane {
                 hasher.update(v);
             }
             Pixels::Float(v) => update_chunked(&mut hasher, v, |x| x.to_bits().to_le_bytes()),
-            Pixels::Id(v) => update_chunked(&mut hasher, v, |x| x.to_le_bytes()),
-            Pixels::Vector(v) => update_chunked(&mut hasher, v, |x| x.to_le_bytes()),
+            Pixels::Id(v) => update_chunked(&mut hasher, v, u32::to_le_bytes),
+            Pixels::Vector(v) => update_chunked(&mut hasher, v, i16::to_le_bytes),
         }
         hasher.finalize()
     }

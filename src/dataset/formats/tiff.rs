@@ -1,6 +1,6 @@
-//! Arrays of wider values and height maps: TIFF and GeoTIFF, deflate 6 with a predictor.
+//! Arrays of wider values and height maps: TIFF and `GeoTIFF`, deflate 6 with a predictor.
 
-use super::{FormatError, PixelKind, Pixels};
+use super::{FormatError, PixelKind, Pixels, Plane};
 use std::io::Cursor;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag as ReadTag;
@@ -107,7 +107,7 @@ pub(super) fn decode(bytes: &[u8], kind: PixelKind, width: u32, height: u32) -> 
     }
 }
 
-/// A height map as a GeoTIFF: a local metric frame, the first row in the north, as every GIS expects.
+/// A height map as a `GeoTIFF`: a local metric frame, the first row in the north, as every GIS expects.
 ///
 /// # Errors
 /// Where the array's length does not fit its size.
@@ -120,7 +120,7 @@ pub fn encode_height_map(map: &HeightMap) -> Result<Vec<u8>, FormatError> {
     let west = map.west_m - map.cell_m / 2.0;
     let north = map.south_m + (f64::from(height) - 0.5) * map.cell_m;
     let citation = "satseed local frame: east, north, up in metres|";
-    let keys = vec![
+    let keys = [
         [1, 1, 0, 4],
         [1024, 0, 1, 32767],                                // GTModelType: user-defined
         [1025, 0, 1, 1],                                    // GTRasterType: pixel is area
@@ -134,8 +134,7 @@ pub fn encode_height_map(map: &HeightMap) -> Result<Vec<u8>, FormatError> {
         .tag(Tag::new(GEO_KEY_DIRECTORY, TagValue::Short(keys.concat())))
         .tag(Tag::new(GEO_ASCII_PARAMS, TagValue::Ascii(citation.to_owned())))
         .tag(Tag::new(GDAL_NODATA, TagValue::Ascii("nan".to_owned())));
-    let north_first = flipped(&map.heights_m, width as usize);
-    write(image, width, height, 1, &north_first)
+    write(image, width, height, 1, &flipped(&map.heights_m, width as usize))
 }
 
 /// Reads what [`encode_height_map`] wrote.
@@ -167,6 +166,14 @@ pub fn decode_height_map(bytes: &[u8], max_cells: usize) -> Result<HeightMap, Fo
             heights_m: flipped(&v, width as usize),
         }),
         _ => Err(failed("it is no map of 32-bit floats")),
+    }
+}
+
+impl HeightMap {
+    /// BLAKE3 over the heights as the file has them: row by row from the north, little-endian.
+    pub fn pixel_hash(&self) -> blake3::Hash {
+        let pixels = Pixels::Float(flipped(&self.heights_m, self.width as usize));
+        Plane { width: self.width, height: self.height, pixels }.pixel_hash()
     }
 }
 

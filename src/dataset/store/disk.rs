@@ -90,23 +90,6 @@ impl DiskStore {
         }
         Ok(())
     }
-
-    fn walk(&self, folder: &Path, prefix: &str, found: &mut dyn FnMut(&Path, Entry)) -> Result<(), StoreError> {
-        let reading = |e| failed("list", folder, e);
-        for entry in fs::read_dir(folder).map_err(reading)? {
-            let entry = entry.map_err(reading)?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let path = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
-            let kind = entry.file_type().map_err(reading)?;
-            if kind.is_dir() {
-                self.walk(&entry.path(), &path, found)?;
-            } else {
-                let bytes = if kind.is_file() { Some(entry.metadata().map_err(reading)?.len()) } else { None };
-                found(&entry.path(), Entry { path, bytes });
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Store for DiskStore {
@@ -145,7 +128,7 @@ impl Store for DiskStore {
     fn size(&self, path: &str) -> Result<Option<u64>, StoreError> {
         let place = self.place(path)?;
         match fs::symlink_metadata(&place) {
-            Ok(m) => Ok(m.is_file().then(|| m.len())),
+            Ok(m) => Ok(m.is_file().then_some(m.len())),
             Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
             Err(e) => Err(failed("look at", &place, e)),
         }
@@ -154,11 +137,11 @@ impl Store for DiskStore {
     fn list(&self, prefix: &str) -> Result<Vec<Entry>, StoreError> {
         let mut entries = Vec::new();
         if prefix.is_empty() {
-            self.walk(&self.root, "", &mut |_, entry| entries.push(entry))?;
+            walk(&self.root, "", &mut |_, entry| entries.push(entry))?;
         } else {
             let place = self.place(prefix)?;
             if place.is_dir() {
-                self.walk(&place, prefix, &mut |_, entry| entries.push(entry))?;
+                walk(&place, prefix, &mut |_, entry| entries.push(entry))?;
             } else if let Some(bytes) = self.size(prefix)? {
                 entries.push(Entry { path: prefix.to_owned(), bytes: Some(bytes) });
             }
@@ -178,7 +161,7 @@ impl Store for DiskStore {
 
     fn clear_unfinished(&self) -> Result<(), StoreError> {
         let mut unfinished = Vec::new();
-        self.walk(&self.root, "", &mut |place, _| {
+        walk(&self.root, "", &mut |place, _| {
             if place.file_name().is_some_and(|n| n.to_string_lossy().starts_with(UNFINISHED)) {
                 unfinished.push(place.to_owned());
             }
@@ -188,6 +171,24 @@ impl Store for DiskStore {
         }
         Ok(())
     }
+}
+
+/// Every file below a folder, links and other oddities included, but not followed.
+fn walk(folder: &Path, prefix: &str, found: &mut dyn FnMut(&Path, Entry)) -> Result<(), StoreError> {
+    let reading = |e| failed("list", folder, e);
+    for entry in fs::read_dir(folder).map_err(reading)? {
+        let entry = entry.map_err(reading)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let path = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
+        let kind = entry.file_type().map_err(reading)?;
+        if kind.is_dir() {
+            walk(&entry.path(), &path, found)?;
+        } else {
+            let bytes = if kind.is_file() { Some(entry.metadata().map_err(reading)?.len()) } else { None };
+            found(&entry.path(), Entry { path, bytes });
+        }
+    }
+    Ok(())
 }
 
 fn failed(doing: &'static str, path: &Path, source: io::Error) -> StoreError {

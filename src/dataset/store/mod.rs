@@ -143,7 +143,7 @@ mod tests {
 
         store.put("a/b.bin", b"one").unwrap();
         store.put("a/empty", b"").unwrap();
-        store.put("b.bin", &[7; 100_000]).unwrap();
+        store.put("b.bin", &vec![7; 100_000]).unwrap();
         store.put("a/b/c/d", b"deep").unwrap();
         assert_eq!(store.get("a/b.bin").unwrap(), b"one");
         assert_eq!(store.get("a/empty").unwrap(), b"");
