@@ -1,0 +1,4 @@
+//! satseed regenerates a satellite-stereo dataset from seeds.
+
+pub mod camera;
+pub mod labels;
