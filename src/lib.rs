@@ -13,5 +13,8 @@
 //!   -> dataset    files, manifest, verify, resume
 //! ```
 
+pub mod camera;
+pub mod labels;
 pub mod plan;
 pub mod recipe;
+pub mod render;

@@ -1,1 +1,3 @@
+//! The command line of satseed.
+
 fn main() {}
