@@ -1,14 +1,17 @@
 //! Canyon: an incised plateau of hard and soft beds.
 
+mod dress;
 mod relief;
 mod strata;
 mod valley;
 
-use crate::kit::terrain::tin::{Breakline, Grain, Ground, Layout, triangulate};
+use crate::kit::terrain::tin::{Breakline, Grain, Ground, Layout, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
-use glam::{DAffine3, DVec2};
+use dress::slot;
+use glam::{DAffine3, DVec2, DVec3};
+use rayon::prelude::*;
 use relief::{POST_M, Relief};
-use satseed_scene::{Bands, Class, Instance, Material, Mesh, Object, Scene, SeedPath};
+use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath, quantise_m};
 use serde::{Deserialize, Serialize};
 use strata::Strata;
 use valley::{Channels, Fold, Trunk};
@@ -52,8 +55,11 @@ impl Params {
         [-self.relief_m - 30.0, 60.0]
     }
 
+    /// Rasters, triangulations in work and the finished meshes grow with the square of the radius; the erosion of the
+    /// whole catchment does not. Measured at radii 60 to 900 over five seeds, plus a half.
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
-        4 << 30
+        let side_m = 2.0 * (self.radius_m + 2.0 * TILE_M);
+        (300e6 + side_m * side_m * 600.0) as u64
     }
 }
 
@@ -87,18 +93,24 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let trunk = Trunk::new(params.relief_m, &path.child("trunk"));
     let channels = Channels::new(&strata, &fold, &trunk, &path.child("erosion"));
     let (layout, window_half_m) = layout(params.radius_m);
-    let halves = (window_half_m, -layout.origin_m.x);
+    let scene_half_m = -layout.origin_m.x;
+    let halves = (window_half_m, scene_half_m);
     let relief = Relief::new(&strata, &fold, &trunk, &channels, halves, params.roughness, &path.child("relief"));
-    let tiles = triangulate(&layout, &relief, &[]);
+    let banks = relief.banks(window_half_m + relief::MARGIN_M);
+    let river = River::new(&banks);
+    let tiles = triangulate(&layout, &relief, &banks.map(|points_m| Breakline { points_m }));
+    let materials = dress::materials(&strata, trunk.is_dry, params.texture_contrast, &path.child("materials"));
     let mut scene = Scene {
-        materials: vec![Material::diffuse("rock", Class::Rock, Bands::grey(0.2))],
-        material_sets: vec![vec![0]],
+        material_sets: vec![(0..materials.len() as u32).collect()],
+        materials,
+        rasters: dress::rasters(&fold, &relief, scene_half_m),
         objects: vec![Object { path: "terrain".to_owned(), class: Class::Ground }],
         pivot_height_m: relief.height_m(DVec2::ZERO),
         full_detail_radius_m: params.radius_m,
         ..Scene::default()
     };
-    for tile in tiles {
+    let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(tile, &relief, &river, trunk.is_dry)).collect();
+    for mesh in meshes {
         scene.instances.push(Instance {
             mesh: scene.meshes.len() as u32,
             world_from_object: DAffine3::IDENTITY,
@@ -106,12 +118,69 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
             material_set: 0,
             variation: [0.0; 4],
         });
-        scene.meshes.push(Mesh {
-            slots: vec![0; tile.triangles.len()],
-            positions_m: tile.positions_m,
-            triangles: tile.triangles,
-            ..Mesh::default()
-        });
+        scene.meshes.push(mesh);
     }
     scene
+}
+
+/// A tile with normals of the source raster and the material slot of each triangle.
+fn dressed(tile: TileMesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> Mesh {
+    let normals = tile
+        .positions_m
+        .iter()
+        .map(|p| {
+            let slope = relief.slope(DVec2::new(p[0].into(), p[1].into()));
+            DVec3::new(-slope.x, -slope.y, 1.0).normalize().as_vec3().to_array()
+        })
+        .collect();
+    let slots = tile
+        .triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| DVec3::from_array(tile.positions_m[v as usize].map(f64::from)));
+            let middle = ((a + b + c) / 3.0).truncate();
+            let upward = (b - a).cross(c - a).normalize().z;
+            let (bank_m, scree_m) = relief.cover(middle);
+            if bank_m < 4.0 && river.contains(middle) {
+                return if is_dry { slot::SAND } else { slot::WATER };
+            }
+            if upward > 0.9 && bank_m < 22.0 {
+                slot::SAND
+            } else if upward > 0.7 && (scree_m > 0.3 || bank_m < 45.0) || (0.74..0.9).contains(&upward) {
+                slot::GROUND
+            } else {
+                slot::ROCK
+            }
+        })
+        .collect();
+    Mesh { positions_m: tile.positions_m, triangles: tile.triangles, slots, normals, uvs_m: Vec::new() }
+}
+
+/// The river's area between its banks, for asking whether a place lies in it.
+struct River {
+    /// Quads between neighbouring points of both banks, with their boxes.
+    quads: Vec<[DVec2; 4]>,
+}
+
+impl River {
+    fn new(banks: &[Vec<DVec3>; 2]) -> Self {
+        // The vertices that the triangulation uses stand on the lattice.
+        let flat = |p: DVec3| DVec2::new(quantise_m(p.x).into(), quantise_m(p.y).into());
+        let quads = banks[0]
+            .windows(2)
+            .zip(banks[1].windows(2))
+            .map(|(l, r)| [flat(r[0]), flat(r[1]), flat(l[1]), flat(l[0])])
+            .collect();
+        Self { quads }
+    }
+
+    fn contains(&self, p: DVec2) -> bool {
+        self.quads.iter().any(|q| {
+            let low = q[0].min(q[1]).min(q[2]).min(q[3]);
+            let high = q[0].max(q[1]).max(q[2]).max(q[3]);
+            p.cmpge(low).all()
+                && p.cmple(high).all()
+                && (0..4).all(|k| (q[(k + 1) % 4] - q[k]).perp_dot(p - q[k]) >= 0.0)
+        })
+    }
 }

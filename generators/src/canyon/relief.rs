@@ -12,7 +12,7 @@ use crate::kit::terrain::front::{Apex, cones, rise};
 use crate::kit::terrain::noise::{blocks, fractal, ridged};
 use crate::kit::terrain::sampling::{bicubic, gradient, smoothstep};
 use crate::kit::terrain::tin::Ground;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use satseed_scene::{Raster, SeedPath, hash_cell, unit_from_hash};
 
@@ -122,8 +122,8 @@ impl<'a> Relief<'a> {
         }
         let (d, climb) = best;
         // Walls are not parallel to their channels: rock is uneven at every scale.
-        let uneven = fractal(p, self.seeds.plan, 110.0, 5, 0.55) * 16.0
-            + ridged(p, self.seeds.plan ^ 0x3c, 46.0, 2, 0.5) * 2.5;
+        let uneven =
+            fractal(p, self.seeds.plan, 110.0, 5, 0.55) * 16.0 + ridged(p, self.seeds.plan ^ 0x3c, 46.0, 2, 0.5) * 2.5;
         let keep = smoothstep(0.0, 30.0, climb);
         ((d + uneven * keep).max(d - climb), climb)
     }
@@ -150,7 +150,7 @@ impl<'a> Relief<'a> {
         };
         let ease: Vec<f32> = self.strata.beds.iter().map(|b| ease(b.habit)).collect();
         let steps = 10;
-        let total = 2.6_f32;
+        let total = 0.8_f32;
         let mut area = vec![0.0; width * height];
         for _ in 0..steps {
             let drainage = fill_and_drain(&mut d, outlet);
@@ -158,7 +158,7 @@ impl<'a> Relief<'a> {
             stream_power(&mut d, &drainage, &area, |_, v| {
                 total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
             });
-            diffuse(&mut d, 0.06, outlet);
+            diffuse(&mut d, 0.12, outlet);
         }
         // Towards the window's border the worn plan goes over into the plain one that the rest of the scene has.
         for p in 0..width * height {
@@ -255,7 +255,9 @@ impl<'a> Relief<'a> {
         let mut z = shape.clone();
         z.data = rows.concat();
         let height = z.height;
-        fill_and_drain(&mut z, |p| p % width == 0 || p % width == width - 1 || p / width == 0 || p / width == height - 1);
+        fill_and_drain(&mut z, |p| {
+            p % width == 0 || p % width == width - 1 || p / width == 0 || p / width == height - 1
+        });
         self.window = z;
     }
 
@@ -285,7 +287,8 @@ impl<'a> Relief<'a> {
                 let swell = fractal(p, seeds.ground ^ 7, 46.0, 5, 0.5) * 2.6 * smoothstep(RIM_M, RIM_M + 4.0, h);
                 // Courses of the cap weather into steps of half a metre or so.
                 let step = 0.7;
-                let courses = libm::floor(swell / step) + smoothstep(0.72, 1.0, swell / step - libm::floor(swell / step));
+                let courses =
+                    libm::floor(swell / step) + smoothstep(0.72, 1.0, swell / step - libm::floor(swell / step));
                 0.45 * swell + 0.55 * courses * step + fractal(p, seeds.ground, 5.0, 4, 0.55) * 0.16
             }
         };
@@ -330,9 +333,36 @@ impl<'a> Relief<'a> {
         let low_terrace = 1.4 * smoothstep(11.0, 13.5, bank + 18.0 * n(2, 45.0));
         let high_terrace = 2.2 * smoothstep(22.0, 26.0, bank + 30.0 * n(3, 80.0));
         let ground = (n(4, 6.0) * 0.16 + n(7, 1.6) * 0.07) * rough * smoothstep(0.0, 1.5, bank);
-        let floor = level + 0.12 * smoothstep(0.0, 0.6, bank) + bar * smoothstep(0.0, 2.0, bank) + low_terrace + high_terrace + 0.03 * bank + ground;
+        let floor = level
+            + 0.12 * smoothstep(0.0, 0.6, bank)
+            + bar * smoothstep(0.0, 2.0, bank)
+            + low_terrace
+            + high_terrace
+            + 0.03 * bank
+            + ground;
         // Alluvium laps onto the walls' feet, and ends there.
         z.max(floor - 8.0 * smoothstep(45.0, 70.0, bank))
+    }
+
+    /// The banks of the river, or of the dry wash, as lines from upstream down, left and right.
+    pub(super) fn banks(&self, half_m: f64) -> [Vec<DVec3>; 2] {
+        let trunk = self.trunk;
+        [1.0, -1.0].map(|side| {
+            trunk
+                .range(half_m)
+                .map(|k| {
+                    let last = trunk.thread_m.len() - 1;
+                    let along = trunk.thread_m[(k + 1).min(last)] - trunk.thread_m[k.saturating_sub(1)];
+                    let p = trunk.thread_m[k] + along.normalize().perp() * (side * trunk.river_half_m[k]);
+                    p.extend(trunk.level_m[k])
+                })
+                .collect()
+        })
+    }
+
+    /// Distance beyond the river's bank and thickness of scree at a place, m.
+    pub(super) fn cover(&self, p: DVec2) -> (f64, f64) {
+        (self.worn.bank_m.bilinear(p), self.worn.scree_m.bilinear(p))
     }
 
     /// Upward normal of the window at a place; straight up outside it.

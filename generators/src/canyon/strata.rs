@@ -88,8 +88,20 @@ impl Strata {
                     bench_left = false;
                     Habit::Bench
                 }
-                Habit::Cliff => if rng.chance(0.85) { Habit::Slope } else { Habit::Cliff },
-                Habit::Slope => if rng.chance(0.7) { Habit::Cliff } else { Habit::Slope },
+                Habit::Cliff => {
+                    if rng.chance(0.85) {
+                        Habit::Slope
+                    } else {
+                        Habit::Cliff
+                    }
+                }
+                Habit::Slope => {
+                    if rng.chance(0.7) {
+                        Habit::Cliff
+                    } else {
+                        Habit::Slope
+                    }
+                }
                 Habit::Bench | Habit::Plateau => Habit::Cliff,
             };
         }
@@ -126,11 +138,16 @@ impl Strata {
         if bed == 0 { self.knees[0].1 } else { self.beds[bed - 1].top_m }
     }
 
+    /// Mean colour of the laminae.
+    pub(super) fn mean_color(&self) -> Bands {
+        let sum = self.laminae.iter().fold(Bands::ZERO, |sum, l| sum + l.1);
+        sum * (1.0 / self.laminae.len() as f32)
+    }
+
     /// Colours over stratigraphic height.
     pub(super) fn colors(&self) -> Beds {
         Beds::new(&self.laminae)
     }
-
 }
 
 fn interpolate(knees: &[(f64, f64)], x: f64, pick: impl Fn(&(f64, f64)) -> (f64, f64)) -> f64 {

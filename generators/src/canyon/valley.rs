@@ -113,12 +113,10 @@ impl Trunk {
         };
         let n = axis_m.len();
         let river_half_m: Vec<f64> = (0..n).map(|k| width * 0.5 * (1.0 + 0.45 * noise(k, 1, 140.0))).collect();
-        let floor_half_m: Vec<f64> = (0..n)
-            .map(|k| (floor * (1.0 + 0.9 * noise(k, 2, 220.0))).clamp(river_half_m[k] + 4.0, 60.0))
-            .collect();
-        let normals: Vec<DVec2> = (0..n)
-            .map(|k| (axis_m[(k + 1).min(n - 1)] - axis_m[k.saturating_sub(1)]).normalize().perp())
-            .collect();
+        let floor_half_m: Vec<f64> =
+            (0..n).map(|k| (floor * (1.0 + 0.9 * noise(k, 2, 220.0))).clamp(river_half_m[k] + 4.0, 60.0)).collect();
+        let normals: Vec<DVec2> =
+            (0..n).map(|k| (axis_m[(k + 1).min(n - 1)] - axis_m[k.saturating_sub(1)]).normalize().perp()).collect();
         let thread_m = (0..n)
             .map(|k| {
                 let room = floor_half_m[k] - river_half_m[k] - 1.0;
@@ -208,8 +206,7 @@ fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded
         let levels = rasterise(trunk, &z);
         let is_trunk: Vec<bool> = levels.iter().map(|l| !l.is_nan()).collect();
         let beds: Vec<f32> = strata.beds.iter().map(|b| erodibility(b.habit)).collect();
-        let folds: Vec<f32> =
-            (0..z.data.len()).map(|p| fold.at(z.position(p % z.width, p / z.width)) as f32).collect();
+        let folds: Vec<f32> = (0..z.data.len()).map(|p| fold.at(z.position(p % z.width, p / z.width)) as f32).collect();
         let per_step = (reach * share / f64::from(steps)) as f32;
         for step in 0..steps {
             // The river sinks during the first two thirds of the coarse time.
@@ -275,7 +272,8 @@ fn tributaries(strata: &Strata, fold: &Fold, trunk: &Trunk, eroded: &Eroded, see
     // A mouth meets the river where it is, not at the centre of a cell.
     let mouths: Vec<usize> = (0..at.len()).filter(|p| is_trunk[*p]).collect();
     for p in mouths {
-        let nearest = trunk.axis_m.iter().copied().min_by(|a, b| (*a - at[p]).length().total_cmp(&(*b - at[p]).length()));
+        let nearest =
+            trunk.axis_m.iter().copied().min_by(|a, b| (*a - at[p]).length().total_cmp(&(*b - at[p]).length()));
         at[p] = nearest.unwrap_or(at[p]);
     }
     for _ in 0..5 {
