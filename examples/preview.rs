@@ -23,7 +23,12 @@ fn main() {
     let t = Instant::now();
     let scene = region.build(a[1].parse().unwrap());
     scene.validate().unwrap();
-    eprintln!("built in {:?}: {:?} triangles, {} instances", t.elapsed(), scene.triangle_counts(), scene.instances.len());
+    eprintln!(
+        "built in {:?}: {:?} triangles, {} instances",
+        t.elapsed(),
+        scene.triangle_counts(),
+        scene.instances.len()
+    );
     let t = Instant::now();
     let tracer = Tracer::new(&scene);
     eprintln!("trees in {:?}, {} MB", t.elapsed(), tracer.bytes() >> 20);
@@ -48,12 +53,9 @@ fn main() {
             [size, size * 3 / 4],
             f64::from(size) * 0.9,
         ),
-        _ => Camera::looking_at(
-            look + DVec3::new(40.0, -55.0, 45.0),
-            look,
-            [size, size * 3 / 4],
-            f64::from(size) * 0.8,
-        ),
+        _ => {
+            Camera::looking_at(look + DVec3::new(40.0, -55.0, 45.0), look, [size, size * 3 / 4], f64::from(size) * 0.8)
+        }
     };
     let environment = Environment {
         sun_elevation_rad: 42.0_f64.to_radians(),

@@ -5,22 +5,27 @@
 //! laid over each other as such trees; only then are the tables read (`read`), so that a mistake anywhere is told with
 //! its file, line and column. Nothing here knows what is done with a recipe.
 
+mod load;
 mod node;
 mod parts;
+mod presets;
 mod read;
 mod reader;
 mod region;
+mod seed_list;
+mod set;
 mod source;
 mod write;
 
+pub use load::{Changes, MAX_SEED_LIST_BYTES};
 pub use parts::{
-    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PivotAlongBaseline,
-    Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
+    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
+    PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
 };
+pub use presets::{PRESETS, Preset};
+pub use seed_list::seed_list_line;
 pub use source::RecipeError;
 pub(crate) use write::{changed_parameters, parameters_text};
-
-use source::{Origin, Source, SourceKind};
 
 /// Largest recipe file, bytes.
 pub const MAX_RECIPE_BYTES: u64 = 1 << 20;
@@ -45,13 +50,6 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Reads the text of a recipe; `name` is what messages call it.
-    pub fn parse(name: &str, text: &str) -> Result<Self, RecipeError> {
-        let source = Source::new(name, text, SourceKind::File);
-        let document = node::parse_document(&source)?;
-        read::recipe_from(document, Origin::beginning(&source))
-    }
-
     /// The seed, 0..9e14. The scenes' own seeds follow from it.
     pub fn seed(&self) -> u64 {
         self.seed

@@ -21,7 +21,7 @@ pub(super) enum SourceKind {
     /// `name:line:column`
     File,
     /// `--set key=value, column N`: it has one line.
-    Set,
+    Argument,
 }
 
 impl Source {
@@ -151,7 +151,7 @@ impl fmt::Display for RecipeError {
         let Some(p) = &self.place else { return f.write_str(&self.message) };
         match p.kind {
             SourceKind::File => write!(f, "{}:{}:{}: ", p.name, p.line, p.column)?,
-            SourceKind::Set => write!(f, "{}, column {}: ", p.name, p.column)?,
+            SourceKind::Argument => write!(f, "{}, column {}: ", p.name, p.column)?,
         }
         let number = p.line.to_string();
         let gutter = number.len();
