@@ -27,6 +27,8 @@ pub use seed_list::seed_list_line;
 pub use source::RecipeError;
 pub(crate) use write::{changed_parameters, parameters_text};
 
+use satseed_generators::Region;
+
 /// Largest recipe file, bytes.
 pub const MAX_RECIPE_BYTES: u64 = 1 << 20;
 /// Most baselines, and most azimuths.
@@ -83,6 +85,26 @@ impl Recipe {
     /// How pairs fall into splits.
     pub fn split(&self) -> SplitRule {
         self.split
+    }
+
+    /// A region as the recipe's first `[[scene]]` of it has it, with another variant where one is named; where no
+    /// `[[scene]]` has it, its defaults.
+    pub fn region(&self, name: &str, variant: Option<&str>) -> Result<Region, RecipeError> {
+        let same = |scene: &&SceneEntry| scene.region.name() == name;
+        let wanted = |scene: &&SceneEntry| variant.is_none_or(|v| scene.region.variant() == v);
+        let scenes = || self.scenes.iter().filter(same);
+        if let Some(scene) = scenes().find(wanted) {
+            return Ok(scene.region.clone());
+        }
+        let base = scenes().next().map(|scene| scene.region.clone()).or_else(|| Region::by_name(name));
+        let Some(base) = base else {
+            let (name, names) = (source::plain(name, 60), Region::NAMES.join(", "));
+            return Err(RecipeError::placeless(format!("`{name}` is no region; regions are {names}")));
+        };
+        match variant {
+            None => Ok(base),
+            Some(variant) => write::with_variant(&base, variant),
+        }
     }
 
     /// The scenes, in the order of the recipe; at least one.

@@ -25,6 +25,11 @@ impl Camera {
         self.altitude_m / self.gsd_m
     }
 
+    /// Convergence angle 2 atan(B / 2H) of a baseline, degrees.
+    pub fn convergence_deg(&self, baseline_m: f64) -> f64 {
+        (2.0 * libm::atan(baseline_m / (2.0 * self.altitude_m))).to_degrees()
+    }
+
     /// Size of a frame's footprint at z = 0, m.
     pub fn footprint_m(&self) -> [f64; 2] {
         self.size_px.map(|n| f64::from(n) * self.gsd_m)

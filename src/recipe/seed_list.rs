@@ -83,15 +83,8 @@ fn scene_from(source: &Arc<Source>, words: &[Range<usize>]) -> Result<Node, Reci
 
 /// The line of a seed list that names a scene.
 pub fn seed_list_line(region: &Region, seed: u64) -> String {
-    let mut line = region.name().to_owned();
-    if write::has_variants(region) {
-        line.push('/');
-        line.push_str(region.variant());
-    }
-    line.push(' ');
-    line.push_str(&seed.to_string());
-    for (key, value) in write::changed_parameters(region) {
-        line.push_str(&format!(" {key}={value}"));
-    }
-    line
+    let variant = if write::has_variants(region) { format!("/{}", region.variant()) } else { String::new() };
+    let mut words = vec![format!("{}{variant} {seed}", region.name())];
+    words.extend(write::changed_parameters(region).into_iter().map(|(key, value)| format!("{key}={value}")));
+    words.join(" ")
 }

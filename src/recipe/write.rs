@@ -1,6 +1,7 @@
 //! A recipe as text again: the resolved recipe that stands in a dataset.
 
 use super::parts::{Azimuths, Baselines, Datum, PivotAlongBaseline, Pivots, Series};
+use super::source::{RecipeError, plain};
 use super::{Recipe, SceneEntry};
 use satseed_generators::Region;
 use std::collections::BTreeMap;
@@ -96,6 +97,26 @@ pub(crate) fn parameters_text(region: &Region) -> String {
 /// Whether the variant is one of the region's parameters.
 pub(super) fn has_variants(region: &Region) -> bool {
     parameters(region).get("variant").is_some()
+}
+
+/// The region with another variant.
+pub(super) fn with_variant(region: &Region, variant: &str) -> Result<Region, RecipeError> {
+    if region.variant() == variant {
+        return Ok(region.clone());
+    }
+    let refused = |why: &str| {
+        let (name, variant) = (region.name(), plain(variant, 60));
+        RecipeError::placeless(format!("region {name} has no variant `{variant}`: {why}"))
+    };
+    let mut parameters = parameters(region);
+    match parameters.get_mut("variant") {
+        Some(value) => *value = Value::String(variant.to_owned()),
+        None => return Err(refused(&format!("its only one is {}", region.variant()))),
+    }
+    let tagged = Value::Table([(region.name().to_owned(), parameters)].into_iter().collect());
+    let region = tagged.try_into::<Region>().map_err(|e| refused(e.message()))?;
+    region.check().map_err(|e| refused(&e.to_string()))?;
+    Ok(region)
 }
 
 /// The parameters of a region that differ from the defaults of its variant, `key` and inline TOML; nested keys dotted.
