@@ -76,7 +76,7 @@ fn shift(source: &Arc<Source>, e: &toml::de::Error, offset: usize) -> RecipeErro
     let span = e.span().unwrap_or(0..0);
     let what = match source.kind {
         SourceKind::File => "this is not TOML",
-        SourceKind::Set => "the value is not TOML",
+        SourceKind::Argument => "the value is not TOML",
     };
     Origin::new(source, span.start + offset..span.end + offset).error(format!("{what}: {}", e.message()))
 }

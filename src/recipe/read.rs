@@ -315,7 +315,7 @@ fn scene(node: Node) -> Result<SceneEntry, RecipeError> {
         let message = format!("this `[[scene]]` names {name} and {other}: one region each");
         return Err(entry.key.error(message));
     }
-    let region = region_from(&format!("scene.{name}"), &name, &key, node)?;
+    let region = region_from(&format!("scene.{name}"), &name, &key, &node)?;
     Ok(SceneEntry { region, pivots })
 }
 
