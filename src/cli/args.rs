@@ -66,7 +66,7 @@ pub(crate) struct RecipeArgs {
     /// A preset's name (see `satseed presets`) or the path of a TOML file
     pub(crate) recipe: String,
     /// Seed of the recipe; the scenes' seeds follow from it
-    #[arg(long, value_name = "N", conflicts_with = "seeds")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "seeds")]
     pub(crate) seed: Option<u64>,
     /// Seed list whose scenes replace the recipe's: `region[/variant] seed [key=value ...]` a line
     #[arg(long, value_name = "FILE")]
@@ -152,7 +152,7 @@ pub(crate) struct PreviewArgs {
     #[arg(long, value_name = "V")]
     pub(crate) variant: Option<String>,
     /// Seed of the scene, as it stands in its name; that of the recipe's first scene of the region by default
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     /// Override a key of the recipe, such as scene.canyon.relief_m=150
     #[arg(long, value_name = "K=V")]

@@ -42,7 +42,10 @@ impl Assignment {
             return Err(origin.error(format!("a key path has at most {MAX_KEY_PARTS} parts, found {}", keys.len())));
         }
         let start = span.end - value.len();
-        Ok(Self { keys, value: value_from(source, start, value)? })
+        if value.trim().is_empty() {
+            return Err(Origin::new(source, start..span.end).error("nothing stands after `=`"));
+        }
+        Ok(Self { keys, value: node::parse_value(source, value, start)? })
     }
 
     /// Name of the whole key.
@@ -123,22 +126,6 @@ fn contains(table: &Table, keys: &[(String, Origin)]) -> bool {
         Some(Entry { node: Node { value: Value::Table(inner), .. }, .. }) if !rest.is_empty() => contains(inner, rest),
         found => found.is_some(),
     }
-}
-
-/// A TOML value, or bare text: `camera.datum=pivot` needs no quotes that a shell would eat.
-fn value_from(source: &Arc<Source>, start: usize, text: &str) -> Result<Node, RecipeError> {
-    let origin = Origin::new(source, start..start + text.len());
-    if text.trim().is_empty() {
-        return Err(origin.error("nothing stands after `=`"));
-    }
-    match node::parse_value(source, text, start) {
-        Err(_) if text.bytes().all(is_bare) => Ok(Node { value: Value::Text(text.to_owned()), origin }),
-        parsed => parsed,
-    }
-}
-
-fn is_bare(b: u8) -> bool {
-    b.is_ascii_alphanumeric() || b"_-./+".contains(&b)
 }
 
 /// Lays one `--set` over a document.
