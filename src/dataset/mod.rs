@@ -2,6 +2,7 @@
 //!
 //! It knows the plan's names and plain arrays, not scenes, cameras or rays.
 
+mod compare;
 pub mod formats;
 mod lock;
 mod manifest;
@@ -16,6 +17,7 @@ mod writer;
 #[cfg(test)]
 mod writer_tests;
 
+pub use compare::{compare_sample, compare_scene};
 pub use lock::{FolderLock, LockError};
 pub use manifest::{LineError, MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE, parse_lines};
 pub use reader::{Dataset, ReadError};

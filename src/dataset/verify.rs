@@ -257,7 +257,7 @@ fn trusted_lines(
     let trusted = candidates.into_iter().flatten().find(|text| is_root(text));
     match &manifest {
         None => {
-            findings.push(Finding::new(MANIFEST, Fault::Missing, "the dataset's records are complete, but it is gone"))
+            findings.push(Finding::new(MANIFEST, Fault::Missing, "the dataset's records are complete, but it is gone"));
         }
         Some(m) if Some(m.as_str()) == trusted => {}
         Some(m) if trusted.is_none() && (*m == joined || *m == from_parts) => {}

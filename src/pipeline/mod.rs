@@ -6,13 +6,15 @@
 
 mod contents;
 mod pair;
+mod regenerate;
 mod scene;
 
 pub use contents::{contents, recipe_text};
 pub use pair::make_sample;
+pub use regenerate::{chosen, regenerate, same_recipe_text};
 pub use scene::{BuiltScene, SceneRecord};
 
-use crate::dataset::{ManifestHash, Sample, Store, WriteError, Writer};
+use crate::dataset::{ManifestHash, ReadError, Sample, Store, WriteError, Writer};
 use crate::plan::{Estimate, Plan, Shard};
 use crate::recipe::Recipe;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,6 +75,9 @@ pub enum PipelineError {
     /// The dataset could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The dataset could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// A generator made something illegal.
     #[error("scene {name} is not legal: {reason}; this is a bug in its generator")]
     Scene {
