@@ -104,7 +104,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         .with(Layer::Mix {
             color: soil_color,
             amount: Field::Product(vec![
-                Field::Sum(vec![Field::Upward.ramp(0.55, 0.93).times(0.72), noise("dust", 9.0, 4).times(0.30)]),
+                Field::Sum(vec![Field::Upward.ramp(0.55, 0.93).times(0.42), noise("dust", 9.0, 4).times(0.30)]),
                 Field::Upward.ramp(0.5, 0.7),
             ]),
         })

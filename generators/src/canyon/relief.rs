@@ -68,6 +68,18 @@ pub(super) struct Worn {
     level_m: Raster<f32>,
 }
 
+/// What covers a place of the full-detail part.
+pub(super) struct Cover {
+    /// Distance beyond the river's bank, m; negative in the river.
+    pub(super) bank_m: f64,
+    /// Thickness of scree, m.
+    pub(super) scree_m: f64,
+    /// Area that drains through it, m2.
+    pub(super) area_m2: f64,
+    /// How far from its channel the wall has climbed, m on the plane.
+    pub(super) climb_m: f64,
+}
+
 /// The largest distance from the river that is kept, m.
 const RIVER_REACH_M: f64 = 120.0;
 
@@ -150,10 +162,10 @@ impl<'a> Relief<'a> {
         };
         let ease: Vec<f32> = self.strata.beds.iter().map(|b| ease(b.habit)).collect();
         let steps = 10;
-        let total = 0.8_f32;
+        let total = 0.42_f32;
         let mut area = vec![0.0; width * height];
         for _ in 0..steps {
-            let drainage = fill_and_drain(&mut d, outlet);
+            let drainage = fill_and_drain(&mut d, self.seeds.plan, outlet);
             area = drainage.area_m2(WORN_M);
             stream_power(&mut d, &drainage, &area, |_, v| {
                 total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
@@ -255,7 +267,7 @@ impl<'a> Relief<'a> {
         let mut z = shape.clone();
         z.data = rows.concat();
         let height = z.height;
-        fill_and_drain(&mut z, |p| {
+        fill_and_drain(&mut z, self.seeds.plan, |p| {
             p % width == 0 || p % width == width - 1 || p / width == 0 || p / width == height - 1
         });
         self.window = z;
@@ -330,8 +342,8 @@ impl<'a> Relief<'a> {
             return level;
         }
         let bar = 0.9 * smoothstep(0.0, 8.0, bank + 9.0 * n(1, 26.0));
-        let low_terrace = 1.4 * smoothstep(11.0, 13.5, bank + 18.0 * n(2, 45.0));
-        let high_terrace = 2.2 * smoothstep(22.0, 26.0, bank + 30.0 * n(3, 80.0));
+        let low_terrace = 0.7 * smoothstep(10.0, 15.0, bank + 26.0 * n(2, 52.0));
+        let high_terrace = 1.2 * smoothstep(20.0, 29.0, bank + 34.0 * n(3, 90.0));
         let ground = (n(4, 6.0) * 0.16 + n(7, 1.6) * 0.07) * rough * smoothstep(0.0, 1.5, bank);
         let floor = level
             + 0.12 * smoothstep(0.0, 0.6, bank)
@@ -360,9 +372,15 @@ impl<'a> Relief<'a> {
         })
     }
 
-    /// Distance beyond the river's bank and thickness of scree at a place, m.
-    pub(super) fn cover(&self, p: DVec2) -> (f64, f64) {
-        (self.worn.bank_m.bilinear(p), self.worn.scree_m.bilinear(p))
+    /// What covers a place.
+    pub(super) fn cover(&self, p: DVec2) -> Cover {
+        let worn = &self.worn;
+        Cover {
+            bank_m: worn.bank_m.bilinear(p),
+            scree_m: worn.scree_m.bilinear(p),
+            area_m2: worn.area_m2.bilinear(p),
+            climb_m: worn.climb_m.bilinear(p),
+        }
     }
 
     /// Upward normal of the window at a place; straight up outside it.

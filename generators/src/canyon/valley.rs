@@ -13,7 +13,7 @@ const DOMAIN_M: f64 = 2048.0;
 /// Distance of the course's points, m.
 const STEP_M: f64 = 6.0;
 /// Area that makes a channel, m2.
-const CHANNEL_AREA_M2: f32 = 3200.0;
+const CHANNEL_AREA_M2: f32 = 5000.0;
 /// Fall of the river, m per m.
 const RIVER_GRADIENT: f64 = 0.004;
 /// How much farther than a mean bed a channel's step cuts into a bed of each kind in the same time.
@@ -51,7 +51,7 @@ pub(super) struct Fold {
 }
 
 /// The fold never lifts or lowers a bed by more, m.
-pub(super) const FOLD_LIMIT_M: f64 = 16.0;
+pub(super) const FOLD_LIMIT_M: f64 = 12.0;
 
 impl Fold {
     pub(super) fn new(path: &SeedPath) -> Self {
@@ -184,8 +184,8 @@ fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded
     for j in 0..z.height {
         for i in 0..z.width {
             let p = z.position(i, j);
-            let hills = fractal(p, seed, 620.0, 6, 0.55) * 9.0;
-            let away = f64::from(lateral.get(i, j)) * 0.007;
+            let hills = fractal(p, seed, 620.0, 6, 0.55) * 7.0;
+            let away = f64::from(lateral.get(i, j)) * 0.004;
             z.set(i, j, (RIM_M + 2.0 + fold.at(p) + away + hills) as f32);
         }
     }
@@ -215,13 +215,13 @@ fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded
                 let top = RIM_M as f32;
                 z.data[p] = top + (level - top) * sunk as f32;
             }
-            let drainage = fill_and_drain(&mut z, |p| is_trunk[p]);
+            let drainage = fill_and_drain(&mut z, seed, |p| is_trunk[p]);
             let area = drainage.area_m2(cell);
             stream_power(&mut z, &drainage, &area, |p, height| {
                 per_step * beds[strata.bed_at(f64::from(height - folds[p]))]
             });
         }
-        let drainage = fill_and_drain(&mut z, |p| is_trunk[p]);
+        let drainage = fill_and_drain(&mut z, seed, |p| is_trunk[p]);
         let area_m2 = drainage.area_m2(cell);
         result = Some((drainage, area_m2, is_trunk));
     }

@@ -1,6 +1,6 @@
 //! Drainage: every post gets a way down, and the area that drains through it.
 
-use satseed_scene::Raster;
+use satseed_scene::{Raster, hash_cell, unit_from_hash};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -9,6 +9,9 @@ pub const NEIGHBOURS: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0
 
 /// Least drop along a filled depression, m per post: what makes its water find the outlet.
 const FILL_DROP_M: f32 = 1e-4;
+
+/// Spread of the weights of slopes.
+pub const WANDER: f32 = 0.4;
 
 /// Who drains into whom.
 #[derive(Clone, Debug)]
@@ -39,8 +42,10 @@ fn neighbours(width: usize, height: usize, post: usize) -> impl Iterator<Item = 
 /// Raises depressions until every post has a way down to an outlet, and returns the ways.
 ///
 /// Priority flood (Barnes, Lehman, Mulla 2014) with a small drop along filled parts; then each post drains to its
-/// steepest lower neighbour (D8). Ties go to the lower post number. Outlets keep their heights. O(n log n).
-pub fn fill_and_drain(z: &mut Raster<f32>, is_outlet: impl Fn(usize) -> bool) -> Drainage {
+/// steepest lower neighbour (D8), each slope weighed by a hash of place, direction and `wander` between 1 - [`WANDER`]
+/// and 1 + [`WANDER`] (after Rho8, Fairfield and Leymarie 1991): plain D8 draws straight lines in eight directions.
+/// Outlets keep their heights. O(n log n).
+pub fn fill_and_drain(z: &mut Raster<f32>, wander: u32, is_outlet: impl Fn(usize) -> bool) -> Drainage {
     let (width, height) = (z.width, z.height);
     let n = width * height;
     let mut heap = BinaryHeap::with_capacity(n / 4);
@@ -76,7 +81,12 @@ pub fn fill_and_drain(z: &mut Raster<f32>, is_outlet: impl Fn(usize) -> bool) ->
         let mut steepest = 0.0;
         for (k, next) in neighbours(width, height, post) {
             let run = if k % 2 == 0 { 1.0 } else { core::f32::consts::SQRT_2 };
-            let drop = (z.data[post] - z.data[next]) / run;
+            let fall = (z.data[post] - z.data[next]) / run;
+            if fall <= 0.0 {
+                continue;
+            }
+            let weight = 1.0 - WANDER + 2.0 * WANDER * unit_from_hash(hash_cell(post as i32, k as i32, 0, wander));
+            let drop = fall * weight;
             if drop > steepest {
                 steepest = drop;
                 receiver[post] = next as u32;
@@ -117,7 +127,7 @@ mod tests {
         }
         let border = |p: usize| p % 60 == 0 || p % 60 == 59 || p / 60 == 0 || p / 60 == 49;
         let before = z.clone();
-        let drainage = fill_and_drain(&mut z, border);
+        let drainage = fill_and_drain(&mut z, 1, border);
         assert_eq!(drainage.order.len(), 3000);
         assert!(z.data.iter().zip(&before.data).all(|(a, b)| a >= b));
         for p in 0..3000 {
