@@ -112,7 +112,7 @@ fn block_at(
     let clumps = smoothstep(-0.1, 0.35, fractal(p, path.hash_u32(), 24.0, 3, 0.5));
     let share = 0.006
         + 0.30 * scree * (0.25 + 0.75 * clumps)
-        + 0.05 * clumps * smoothstep(4.0, 9.0, cover.climb_m) * smoothstep(60.0, 20.0, cover.climb_m);
+        + 0.12 * clumps * smoothstep(4.0, 9.0, cover.climb_m) * smoothstep(60.0, 20.0, cover.climb_m);
     if draw(path.hash_u32(), cell) > share {
         return None;
     }
@@ -165,7 +165,7 @@ fn shrub_at(
     let northward = smoothstep(-0.1, 0.5, -slope.y);
     let wash = smoothstep(40.0, 3.0, cover.bank_m).max(0.8 * smoothstep(500.0, 5000.0, cover.area_m2));
     let grove = fractal(p, seed, 38.0, 4, 0.55);
-    let open = 0.03 + 0.05 * northward + 0.30 * wash;
+    let open = 0.075 + 0.07 * northward + 0.34 * wash;
     let share = level * open * smoothstep(-0.35, 0.45, grove) * 2.0;
     if first > share {
         return None;

@@ -177,7 +177,7 @@ fn bed_color(habit: Habit, rng: &mut Rng) -> Bands {
 fn shifted(color: Bands, rng: &mut Rng, amount: f64) -> Bands {
     let bright = (1.0 + rng.signed() * amount) as f32;
     let grey = Bands::grey((color[0] + color[1] + color[2]) / 3.0);
-    color.lerp(grey, (0.12 + rng.signed() * 0.12) as f32) * bright
+    color.lerp(grey, (0.05 + rng.signed() * 0.10) as f32) * bright
 }
 
 /// The wall through all beds: cliffs of steep courses with narrow ledges between, slopes with thin ribs.

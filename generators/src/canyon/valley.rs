@@ -34,8 +34,8 @@ pub(super) struct Trunk {
     pub(super) thread_m: Vec<DVec2>,
     /// Half the floor's width at each point, m.
     pub(super) floor_half_m: Vec<f64>,
-    /// Half the river's width at each point, m.
-    pub(super) river_half_m: Vec<f64>,
+    /// Distance of the left and the right bank from the centre line at each point, m.
+    pub(super) river_half_m: [Vec<f64>; 2],
     /// Height of the river's surface, or the wash's bed, at each point, m.
     pub(super) level_m: Vec<f64>,
     /// Whether the wash is dry.
@@ -112,14 +112,18 @@ impl Trunk {
             fractal(DVec2::new(along(k), 0.37 * wavelength), seed ^ salt, wavelength, 3, 0.45)
         };
         let n = axis_m.len();
-        let river_half_m: Vec<f64> = (0..n).map(|k| width * 0.5 * (1.0 + 0.45 * noise(k, 1, 140.0))).collect();
+        let river_half_m = [11, 12].map(|salt| {
+            let uneven = |k| 0.4 * noise(k, 1, 140.0) + 0.42 * noise(k, salt, 48.0);
+            (0..n).map(|k| width * 0.5 * (1.0 + uneven(k)).max(0.45)).collect::<Vec<f64>>()
+        });
+        let widest = |k: usize| river_half_m[0][k].max(river_half_m[1][k]);
         let floor_half_m: Vec<f64> =
-            (0..n).map(|k| (floor * (1.0 + 0.9 * noise(k, 2, 220.0))).clamp(river_half_m[k] + 4.0, 60.0)).collect();
+            (0..n).map(|k| (floor * (1.0 + 0.9 * noise(k, 2, 220.0))).clamp(widest(k) + 4.0, 60.0)).collect();
         let normals: Vec<DVec2> =
             (0..n).map(|k| (axis_m[(k + 1).min(n - 1)] - axis_m[k.saturating_sub(1)]).normalize().perp()).collect();
         let thread_m = (0..n)
             .map(|k| {
-                let room = floor_half_m[k] - river_half_m[k] - 1.0;
+                let room = floor_half_m[k] - widest(k) - 1.0;
                 axis_m[k] + normals[k] * (room * (1.9 * noise(k, 3, 260.0)).clamp(-1.0, 1.0))
             })
             .collect();
