@@ -311,6 +311,9 @@ fn fractal(
     Filtered { mean: mean * scale, deviation: hidden.sqrt() * scale }
 }
 
+/// Standard deviation of a uniform draw from -1..1.
+const UNIFORM_DEVIATION: f32 = 0.577_35;
+
 fn cells(p: &SurfacePoint, space: Space, seed: u32, size_m: [f32; 3], stagger: f32) -> Filtered {
     let q = position(p, space);
     let index = |axis: usize, shift: f64| {
@@ -322,7 +325,6 @@ fn cells(p: &SurfacePoint, space: Space, seed: u32, size_m: [f32; 3], stagger: f
     let smallest = size_m.iter().copied().filter(|s| *s > 0.0).fold(f32::MAX, f32::min);
     // Full contrast while a cell is twice the footprint, none when it is half of it.
     let keep = ((f64::from(smallest) / p.footprint_m - 0.5) / 1.5).clamp(0.0, 1.0) as f32;
-    const UNIFORM_DEVIATION: f32 = 0.577_35;
     Filtered { mean: value * keep, deviation: (1.0 - keep) * UNIFORM_DEVIATION }
 }
 
@@ -379,7 +381,7 @@ fn warped(p: &SurfacePoint, seed: u32, wavelength_m: f32, amplitude_m: f32) -> S
 
 /// The smoothstep's mean under a spread of the argument: its borders move out by the hidden deviation.
 fn ramp(f: Filtered, from: f32, to: f32) -> Filtered {
-    let (middle, half) = ((from + to) / 2.0, (to - from) / 2.0);
+    let (middle, half) = (f32::midpoint(from, to), (to - from) / 2.0);
     let wide = (half * half + 3.0 * f.deviation * f.deviation).sqrt().max(1e-9);
     let signed = if half < 0.0 { -wide } else { wide };
     let t = ((f.mean - middle) / signed * 0.5 + 0.5).clamp(0.0, 1.0);

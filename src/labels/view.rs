@@ -1,0 +1,167 @@
+//! The label maps of one view.
+
+use super::{Validity, View, closest, disparity_px, validity};
+use crate::camera::{Camera, StereoRig};
+use rayon::prelude::*;
+use satseed_scene::{Class, Environment};
+use satseed_tracer::{Hit, Origin, Tracer};
+
+/// Which labels to work out besides disparity and validity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Extra {
+    /// Height above the datum.
+    pub elevation: bool,
+    /// Semantic class.
+    pub class: bool,
+    /// Object number.
+    pub instance: bool,
+    /// Geometric normal.
+    pub normal: bool,
+    /// Share of the sun's disc that is seen.
+    pub shadow: bool,
+    /// Mixed pixels.
+    pub edge: bool,
+}
+
+/// Label maps of one view, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewLabels {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `u_L - u_R`, px, for every hit, also where it is occluded or out of frame; one canonical NaN where nothing was hit.
+    pub disparity_px: Vec<f32>,
+    /// [`Validity`] as a number.
+    pub validity: Vec<u8>,
+    /// Height of the surface seen above the region's datum, m; one canonical NaN where nothing was hit.
+    pub elevation_m: Option<Vec<f32>>,
+    /// [`Class`] as a number; 0 where nothing was hit.
+    pub class: Option<Vec<u8>>,
+    /// Index into the scene's objects; 0 is the terrain, and where nothing was hit.
+    pub instance: Option<Vec<u32>>,
+    /// Unit geometric normal towards the camera, world frame; zero where nothing was hit.
+    pub normal: Option<Vec<[f32; 3]>>,
+    /// Direct sun, 0 dark to 255 full.
+    pub shadow: Option<Vec<u8>>,
+    /// 1 where the pixel's corner rays span more than 1 px of disparity, or only some of them hit.
+    pub edge: Option<Vec<u8>>,
+}
+
+/// The one NaN that is written: its bits are the same on every machine.
+pub(crate) const MISS_NAN: f32 = f32::from_bits(0x7fc0_0000);
+
+struct Pixel {
+    disparity_px: f32,
+    validity: Validity,
+    elevation_m: f32,
+    class: Class,
+    instance: u32,
+    normal: [f32; 3],
+    shadow: u8,
+}
+
+const MISS: Pixel = Pixel {
+    disparity_px: MISS_NAN,
+    validity: Validity::Miss,
+    elevation_m: MISS_NAN,
+    class: Class::None,
+    instance: 0,
+    normal: [0.0; 3],
+    shadow: 0,
+};
+
+/// Works out the labels of one view. Rows run in parallel on the current rayon pool; the result does not depend on it.
+pub fn extract(tracer: &Tracer, rig: &StereoRig, view: View, sun: &Environment, extra: Extra) -> ViewLabels {
+    let (camera, other) = view.cameras(rig);
+    let (width, height) = (camera.width_px, camera.height_px);
+    let rows: Vec<Vec<Pixel>> = (0..height)
+        .into_par_iter()
+        .map(|v| {
+            (0..width)
+                .map(|u| {
+                    let ray = camera.ray(f64::from(u), f64::from(v));
+                    closest(tracer, &ray).map_or(MISS, |hit| pixel(tracer, rig, other, sun, extra, &hit))
+                })
+                .collect()
+        })
+        .collect();
+    let pixels: Vec<Pixel> = rows.into_iter().flatten().collect();
+    ViewLabels {
+        width,
+        height,
+        disparity_px: pixels.iter().map(|p| p.disparity_px).collect(),
+        validity: pixels.iter().map(|p| p.validity as u8).collect(),
+        elevation_m: extra.elevation.then(|| pixels.iter().map(|p| p.elevation_m).collect()),
+        class: extra.class.then(|| pixels.iter().map(|p| p.class as u8).collect()),
+        instance: extra.instance.then(|| pixels.iter().map(|p| p.instance).collect()),
+        normal: extra.normal.then(|| pixels.iter().map(|p| p.normal).collect()),
+        shadow: extra.shadow.then(|| pixels.iter().map(|p| p.shadow).collect()),
+        edge: extra.edge.then(|| edges(tracer, rig, camera)),
+    }
+}
+
+fn pixel(tracer: &Tracer, rig: &StereoRig, other: &Camera, sun: &Environment, extra: Extra, hit: &Hit) -> Pixel {
+    let scene = tracer.scene();
+    Pixel {
+        // A camera whose view of the point fails would have to lie below it; plans refuse such heights.
+        disparity_px: disparity_px(rig, hit.point).map_or(MISS_NAN, |d| d as f32),
+        validity: validity(tracer, other, hit),
+        elevation_m: hit.point.z as f32,
+        class: if extra.class { scene.material(hit.instance, hit.triangle).class } else { Class::None },
+        instance: scene.instances[hit.instance as usize].object,
+        normal: hit.normal.to_array().map(|x| x as f32),
+        shadow: if extra.shadow { sun_share(tracer, hit, sun) } else { 0 },
+    }
+}
+
+/// Points of the sun's disc that a shadow label asks: a fixed spiral, equal areas.
+const DISC_POINTS: u32 = 16;
+
+/// The share of the solar disc that a surface point sees, 0..255.
+fn sun_share(tracer: &Tracer, hit: &Hit, sun: &Environment) -> u8 {
+    let centre = sun.sun_direction();
+    let (a, b) = centre.any_orthonormal_pair();
+    let origin = Origin::on(hit);
+    let mut seen = 0;
+    for k in 0..DISC_POINTS {
+        // Vogel's spiral: the golden angle, radius by the square root of the rank.
+        let radius = Environment::SUN_ANGULAR_RADIUS_RAD * ((f64::from(k) + 0.5) / f64::from(DISC_POINTS)).sqrt();
+        let (s, c) = libm::sincos(f64::from(k) * 2.399_963_229_728_653);
+        let direction = (centre + (a * c + b * s) * libm::tan(radius)).normalize();
+        if direction.dot(hit.normal) > 0.0 && !tracer.blocked(&origin, direction, super::reach_m(tracer, hit.point)) {
+            seen += 1;
+        }
+    }
+    (seen * 255 / DISC_POINTS) as u8
+}
+
+/// 1 where the disparities at a pixel's four corners differ by more than 1 px, or some of them see nothing.
+fn edges(tracer: &Tracer, rig: &StereoRig, camera: &Camera) -> Vec<u8> {
+    let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+    let corners: Vec<Vec<Option<f64>>> = (0..=height)
+        .into_par_iter()
+        .map(|j| {
+            (0..=width)
+                .map(|i| {
+                    let ray = camera.ray(i as f64 - 0.5, j as f64 - 0.5);
+                    closest(tracer, &ray).and_then(|hit| disparity_px(rig, hit.point))
+                })
+                .collect()
+        })
+        .collect();
+    let mut edge = Vec::with_capacity(width * height);
+    for j in 0..height {
+        for i in 0..width {
+            let four = [corners[j][i], corners[j][i + 1], corners[j + 1][i], corners[j + 1][i + 1]];
+            let (mut low, mut high, mut hits) = (f64::INFINITY, f64::NEG_INFINITY, 0);
+            for d in four.into_iter().flatten() {
+                low = low.min(d);
+                high = high.max(d);
+                hits += 1;
+            }
+            edge.push(u8::from((hits > 0 && hits < 4) || high - low > 1.0));
+        }
+    }
+    edge
+}

@@ -1,0 +1,22 @@
+//! satseed regenerates a satellite-stereo dataset from seeds: a recipe and a seed go in; stereo pairs with exact labels
+//! come out, the same bytes on every machine.
+//!
+//! The data flows in one direction:
+//!
+//! ```text
+//! recipe (TOML + seed)
+//!   -> plan       which scenes, which pairs, which split: pure, cheap, printable
+//!   -> scene      meshes, materials, instances of one pivot (crate satseed-generators)
+//!   -> tracer     acceleration structure: closest hit, visible? (crate satseed-tracer)
+//!   -> view       image and labels of one camera
+//!   -> sample     two views and cameras of one pair
+//!   -> dataset    files, manifest, verify, resume
+//! ```
+
+pub mod camera;
+pub mod dataset;
+pub mod labels;
+pub mod pipeline;
+pub mod plan;
+pub mod recipe;
+pub mod render;

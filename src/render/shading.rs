@@ -1,0 +1,275 @@
+//! Radiance of one ray.
+
+use super::light::Light;
+use super::sampling::{Sample, cosine_direction, disc_direction};
+use crate::labels::reach_m;
+use glam::{DVec2, DVec3};
+use satseed_scene::{Bands, Brdf, Environment, Ray, Shade, SurfacePoint};
+use satseed_tracer::{Hit, Origin, Tracer};
+
+const INV_PI: f32 = core::f32::consts::FRAC_1_PI;
+
+/// What each pair of random numbers is for.
+mod purpose {
+    pub(super) const SUN: u32 = 1;
+    pub(super) const SKY: u32 = 2;
+    pub(super) const SIDE: u32 = 3;
+    pub(super) const BOUNCE_SUN: u32 = 4;
+}
+
+/// Radiance at the ground along a camera ray, W / (m^2 sr um). `spread` is the footprint's growth per metre.
+pub(super) fn radiance(tracer: &Tracer, light: &Light, ray: &Ray, spread: f64, sample: &Sample) -> Bands {
+    let Some(hit) = tracer.closest(ray, reach_m(tracer, ray.origin)) else {
+        return light.sky_radiance(ray.direction);
+    };
+    let (shade, origin) = surface(tracer, ray, &hit, spread);
+    let mut sum = direct(tracer, light, &hit, &shade, &origin, ray.direction, sample, purpose::SUN);
+    sum += dome(tracer, light, &hit, &shade, &origin, spread, sample);
+    if let Brdf::Coated { index } = shade.brdf {
+        let cos = -ray.direction.dot(shade.normal);
+        let fresnel = fresnel(cos.clamp(0.0, 1.0) as f32, index);
+        let mirrored = (ray.direction + shade.normal * (2.0 * cos)).normalize();
+        let seen = incoming(tracer, light, &origin, mirrored, hit.t * spread, sample);
+        sum = sum * (1.0 - fresnel) + seen * fresnel;
+    }
+    sum
+}
+
+/// The material at a hit, and the start of the rays that leave it.
+fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, spread: f64) -> (Shade, Origin) {
+    let scene = tracer.scene();
+    let instance = &scene.instances[hit.instance as usize];
+    let mesh = &scene.meshes[instance.mesh as usize];
+    let corners = mesh.triangles[hit.triangle as usize].map(|v| v as usize);
+    let w = hit.weights;
+    let object_m = (0..3).fold(DVec3::ZERO, |sum, k| {
+        let p = mesh.positions_m[corners[k]];
+        sum + DVec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2])) * w[k]
+    });
+    let uv_m = if mesh.uvs_m.is_empty() {
+        DVec2::ZERO
+    } else {
+        (0..3).fold(DVec2::ZERO, |sum, k| {
+            let p = mesh.uvs_m[corners[k]];
+            sum + DVec2::new(f64::from(p[0]), f64::from(p[1])) * w[k]
+        })
+    };
+    let normal = if mesh.normals.is_empty() {
+        hit.normal
+    } else {
+        let smooth = (0..3).fold(DVec3::ZERO, |sum, k| {
+            let n = mesh.normals[corners[k]];
+            sum + DVec3::new(f64::from(n[0]), f64::from(n[1]), f64::from(n[2])) * w[k]
+        });
+        let world = instance.world_from_object.matrix3.inverse().transpose() * smooth;
+        let n = world.try_normalize().unwrap_or(hit.normal);
+        if n.dot(hit.normal) < 0.0 { -n } else { n }
+    };
+    // The footprint stretches where the surface leans away; its geometric mean side counts.
+    let cos = (-ray.direction.dot(hit.normal)).max(0.1);
+    let point = SurfacePoint {
+        world_m: hit.point,
+        object_m,
+        uv_m,
+        normal,
+        footprint_m: hit.t * spread / cos.sqrt(),
+        variation: instance.variation,
+    };
+    let mut shade = scene.material(hit.instance, hit.triangle).shade(&point, &scene.rasters);
+    if shade.normal.dot(hit.normal) < 0.05 {
+        // A bump must not turn a surface away from its own side.
+        shade.normal = (shade.normal + hit.normal * (0.05 - shade.normal.dot(hit.normal))).normalize();
+    }
+    (shade, Origin::on(hit))
+}
+
+/// Radiance scattered from the sun's disc.
+#[allow(clippy::too_many_arguments)]
+fn direct(
+    tracer: &Tracer,
+    light: &Light,
+    hit: &Hit,
+    shade: &Shade,
+    origin: &Origin,
+    view: DVec3,
+    sample: &Sample,
+    purpose: u32,
+) -> Bands {
+    let to_sun = disc_direction(light.sun, Environment::SUN_ANGULAR_RADIUS_RAD, sample.square(purpose));
+    let scattered = scatter(shade, hit.normal, to_sun, view);
+    if scattered.max_band() <= 0.0 || tracer.blocked(origin, to_sun, reach_m(tracer, hit.point)) {
+        return Bands::ZERO;
+    }
+    light.sun_irradiance * scattered
+}
+
+/// Bidirectional reflectance times the cosine, per unit of irradiance on a surface that faces the light.
+fn scatter(shade: &Shade, geometric: DVec3, to_light: DVec3, view: DVec3) -> Bands {
+    let cos = to_light.dot(shade.normal) as f32;
+    let front = to_light.dot(geometric) > 0.0;
+    match shade.brdf {
+        Brdf::Leaf { transmission } => {
+            if front {
+                shade.albedo * (cos.max(0.0) * INV_PI)
+            } else {
+                transmission * ((-cos).max(0.0) * INV_PI)
+            }
+        }
+        Brdf::Diffuse { roughness_rad } if front && cos > 0.0 => {
+            shade.albedo * (cos * INV_PI * oren_nayar(roughness_rad, shade.normal, to_light, -view))
+        }
+        Brdf::Coated { .. } if front && cos > 0.0 => shade.albedo * (cos * INV_PI),
+        _ => Bands::ZERO,
+    }
+}
+
+/// The factor on Lambert's law of a surface of rough facets (Oren and Nayar 1994, the qualitative model).
+fn oren_nayar(sigma: f32, normal: DVec3, light: DVec3, view: DVec3) -> f32 {
+    if sigma <= 0.0 {
+        return 1.0;
+    }
+    let s2 = f64::from(sigma * sigma);
+    let a = 1.0 - 0.5 * s2 / (s2 + 0.33);
+    let b = 0.45 * s2 / (s2 + 0.09);
+    let (ci, cr) = (light.dot(normal).clamp(1e-4, 1.0), view.dot(normal).clamp(1e-4, 1.0));
+    let across = light.dot(view) - ci * cr;
+    // Oren-Nayar in vector form: cos(phi) sin(alpha) tan(beta) = across / max(ci, cr).
+    let lobe = if across > 0.0 { across / ci.max(cr) } else { 0.0 };
+    (a + b * lobe) as f32
+}
+
+/// Unpolarised Fresnel reflectance of a dielectric.
+pub(super) fn fresnel(cos: f32, index: f32) -> f32 {
+    let sin2 = (1.0 - cos * cos) / (index * index);
+    let cos_t = (1.0 - sin2).max(0.0).sqrt();
+    let parallel = (index * cos - cos_t) / (index * cos + cos_t);
+    let perpendicular = (cos - index * cos_t) / (cos + index * cos_t);
+    0.5 * (parallel * parallel + perpendicular * perpendicular)
+}
+
+/// Radiance scattered from the sky's dome and from what stands before it: one direction.
+fn dome(
+    tracer: &Tracer,
+    light: &Light,
+    hit: &Hit,
+    shade: &Shade,
+    origin: &Origin,
+    spread: f64,
+    sample: &Sample,
+) -> Bands {
+    let square = sample.square(purpose::SKY);
+    let footprint_m = hit.t * spread;
+    let (normal, weight) = match shade.brdf {
+        Brdf::Leaf { transmission } => {
+            if sample.line(purpose::SIDE) < 0.5 {
+                (shade.normal, shade.albedo * 2.0)
+            } else {
+                (-shade.normal, transmission * 2.0)
+            }
+        }
+        _ => (shade.normal, shade.albedo),
+    };
+    let direction = cosine_direction(normal, square);
+    let above = direction.dot(hit.normal) > 0.0;
+    if above != (normal.dot(hit.normal) > 0.0) {
+        return Bands::ZERO;
+    }
+    weight * incoming(tracer, light, origin, direction, footprint_m, sample)
+}
+
+/// Radiance that arrives at a surface point from a direction: sky, or the sunlit and sky-lit surface that hides it.
+fn incoming(
+    tracer: &Tracer,
+    light: &Light,
+    from: &Origin,
+    direction: DVec3,
+    footprint_m: f64,
+    sample: &Sample,
+) -> Bands {
+    let Some(hit) = tracer.closest_from(from, direction, reach_m(tracer, from.point())) else {
+        return light.sky_radiance(direction);
+    };
+    let ray = Ray { origin: from.point(), direction };
+    // A wide cone: the other surface counts with its mean colour over a good part of itself.
+    let spread = 0.1 + footprint_m / hit.t.max(0.1);
+    let (shade, origin) = surface(tracer, &ray, &hit, spread);
+    let sun = direct(tracer, light, &hit, &shade, &origin, direction, sample, purpose::BOUNCE_SUN);
+    // Half the dome, for a wall sees half of it and a street less: the series of further bounces ends here.
+    sun + shade.albedo * light.sky_irradiance * (0.5 * INV_PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DAffine3;
+    use satseed_scene::{Class, Instance, Material, Mesh, Object, Scene};
+
+    #[test]
+    fn fresnel_at_normal_and_grazing_incidence() {
+        assert!((fresnel(1.0, 1.52) - 0.0426).abs() < 1e-3);
+        assert!((fresnel(0.0, 1.52) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_rough_surface_does_not_create_energy() {
+        let n = DVec3::Z;
+        let view = DVec3::new(0.4, 0.0, 0.9).normalize();
+        let count = 2000;
+        let reflected: f64 = (0..count)
+            .map(|i| {
+                let d = cosine_direction(n, Sample::new(0, 0, i, count, 0).square(0));
+                f64::from(oren_nayar(0.5, n, d, view))
+            })
+            .sum::<f64>()
+            / f64::from(count);
+        assert!(reflected < 1.0 && reflected > 0.7, "{reflected}");
+    }
+
+    /// A plane of one square, Lambert, reflectance 0.4.
+    fn plane() -> Scene {
+        let corner = |x: f32, y: f32| [x * 100.0, y * 100.0, 3.0];
+        Scene {
+            meshes: vec![Mesh {
+                positions_m: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                slots: vec![0, 0],
+                ..Mesh::default()
+            }],
+            instances: vec![Instance {
+                mesh: 0,
+                world_from_object: DAffine3::IDENTITY,
+                object: 0,
+                material_set: 0,
+                variation: [0.0; 4],
+            }],
+            materials: vec![Material::diffuse("plane", Class::Ground, Bands::grey(0.4))],
+            material_sets: vec![vec![0]],
+            objects: vec![Object { path: "terrain".to_owned(), class: Class::Ground }],
+            ..Scene::default()
+        }
+    }
+
+    /// rho / pi * E * cos(theta), to the disc's own spread; and under the dome alone rho / pi * E_sky in the mean.
+    #[test]
+    fn a_lambert_plane_has_its_closed_form() {
+        let scene = plane();
+        let tracer = Tracer::new(&scene);
+        let environment = Environment { sun_elevation_rad: 0.7, sun_azimuth_rad: 2.0, aerosol_optical_depth: 0.12 };
+        let light = Light::new(&environment);
+        let ray = Ray { origin: DVec3::new(1.0, 2.0, 900.0), direction: DVec3::NEG_Z };
+        let hit = tracer.closest(&ray, 2000.0).expect("the plane is there");
+        let (shade, origin) = surface(&tracer, &ray, &hit, 3e-4);
+        let count = 4096;
+        let (mut sun, mut sky) = (0.0, 0.0);
+        for i in 0..count {
+            let sample = Sample::new(1, 1, i, count, 5);
+            sun += direct(&tracer, &light, &hit, &shade, &origin, ray.direction, &sample, purpose::SUN)[1];
+            sky += dome(&tracer, &light, &hit, &shade, &origin, 3e-4, &sample)[1];
+        }
+        let n = count as f32;
+        let expected = 0.4 * INV_PI * light.sun_irradiance[1] * libm::sin(0.7) as f32;
+        assert!((sun / n / expected - 1.0).abs() < 2e-5, "sun {} against {expected}", sun / n);
+        let expected = 0.4 * INV_PI * light.sky_irradiance[1];
+        assert!((sky / n / expected - 1.0).abs() < 0.01, "sky {} against {expected}", sky / n);
+    }
+}
