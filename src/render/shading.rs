@@ -201,6 +201,8 @@ fn incoming(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DAffine3;
+    use satseed_scene::{Class, Instance, Material, Mesh, Object, Scene};
 
     #[test]
     fn fresnel_at_normal_and_grazing_incidence() {
@@ -221,5 +223,53 @@ mod tests {
             .sum::<f64>()
             / f64::from(count);
         assert!(reflected < 1.0 && reflected > 0.7, "{reflected}");
+    }
+
+    /// A plane of one square, Lambert, reflectance 0.4.
+    fn plane() -> Scene {
+        let corner = |x: f32, y: f32| [x * 100.0, y * 100.0, 3.0];
+        Scene {
+            meshes: vec![Mesh {
+                positions_m: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                slots: vec![0, 0],
+                ..Mesh::default()
+            }],
+            instances: vec![Instance {
+                mesh: 0,
+                world_from_object: DAffine3::IDENTITY,
+                object: 0,
+                material_set: 0,
+                variation: [0.0; 4],
+            }],
+            materials: vec![Material::diffuse("plane", Class::Ground, Bands::grey(0.4))],
+            material_sets: vec![vec![0]],
+            objects: vec![Object { path: "terrain".to_owned(), class: Class::Ground }],
+            ..Scene::default()
+        }
+    }
+
+    /// rho / pi * E * cos(theta), to the disc's own spread; and under the dome alone rho / pi * E_sky in the mean.
+    #[test]
+    fn a_lambert_plane_has_its_closed_form() {
+        let scene = plane();
+        let tracer = Tracer::new(&scene);
+        let environment = Environment { sun_elevation_rad: 0.7, sun_azimuth_rad: 2.0, aerosol_optical_depth: 0.12 };
+        let light = Light::new(&environment);
+        let ray = Ray { origin: DVec3::new(1.0, 2.0, 900.0), direction: DVec3::NEG_Z };
+        let hit = tracer.closest(&ray, 2000.0).expect("the plane is there");
+        let (shade, origin) = surface(&tracer, &ray, &hit, 3e-4);
+        let count = 4096;
+        let (mut sun, mut sky) = (0.0, 0.0);
+        for i in 0..count {
+            let sample = Sample::new(1, 1, i, count, 5);
+            sun += direct(&tracer, &light, &hit, &shade, &origin, ray.direction, &sample, purpose::SUN)[1];
+            sky += dome(&tracer, &light, &hit, &shade, &origin, 3e-4, &sample)[1];
+        }
+        let n = count as f32;
+        let expected = 0.4 * INV_PI * light.sun_irradiance[1] * libm::sin(0.7) as f32;
+        assert!((sun / n / expected - 1.0).abs() < 2e-5, "sun {} against {expected}", sun / n);
+        let expected = 0.4 * INV_PI * light.sky_irradiance[1];
+        assert!((sky / n / expected - 1.0).abs() < 0.01, "sky {} against {expected}", sky / n);
     }
 }

@@ -1,0 +1,126 @@
+//! Contact sheets: the same views of the same seeds after every change, to be looked at.
+//!
+//! `cargo run --release --example contact_sheets [REGION ...]` writes docs/sheets/<region>-{nadir,detail,oblique}.jpg:
+//! five seeds; the whole frame from above, two crops of 512 x 512 pixels at the sensor's own 0.3 m, three oblique views.
+
+#![allow(clippy::print_stderr)]
+
+use anyhow::Context as _;
+use glam::{DMat3, DVec2, DVec3};
+use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
+use satseed::camera::Camera;
+use satseed::render::{Image, Sensor, Settings, render};
+use satseed_generators::Region;
+use satseed_scene::{Environment, Ray, SeedPath};
+use satseed_tracer::Tracer;
+use std::path::Path;
+
+const SEEDS: [u64; 5] = [1, 2, 3, 4, 5];
+/// Half a frame's side on the ground, m.
+const HALF_FRAME_M: f64 = 307.2;
+const CELL_PX: u32 = 512;
+
+fn main() -> anyhow::Result<()> {
+    let asked: Vec<String> = std::env::args().skip(1).collect();
+    let names: Vec<&str> =
+        if asked.is_empty() { Region::NAMES.to_vec() } else { asked.iter().map(String::as_str).collect() };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sheets");
+    std::fs::create_dir_all(&folder)?;
+    for name in names {
+        let region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
+        let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
+        for seed in SEEDS {
+            let scene = region.build(seed);
+            scene.validate()?;
+            eprintln!("{name} {seed}: {:?} triangles held and placed", scene.triangle_counts());
+            let tracer = Tracer::new(&scene);
+            let row = views(&tracer).map(|views| views.iter().map(|camera| picture(&tracer, camera)).collect());
+            for (sheet, cells) in sheets.iter_mut().zip(row) {
+                sheet.push(cells);
+            }
+        }
+        // The frames from above stand in one row: five of them.
+        let nadir: Vec<Image> = sheets[0].drain(..).flatten().collect();
+        write(&folder.join(format!("{name}-nadir.jpg")), &[nadir])?;
+        write(&folder.join(format!("{name}-detail.jpg")), &transposed(&sheets[1]))?;
+        write(&folder.join(format!("{name}-oblique.jpg")), &sheets[2])?;
+    }
+    Ok(())
+}
+
+/// The cameras of the three sheets: whole frame, crops, oblique.
+fn views(tracer: &Tracer) -> [Vec<Camera>; 3] {
+    let whole = nadir(DVec2::ZERO, 2.0 * HALF_FRAME_M / f64::from(CELL_PX));
+    let crops = [DVec2::new(20.0, -10.0), DVec2::new(-160.0, 130.0)].map(|at| nadir(at, 0.3));
+    let oblique = [
+        (DVec2::ZERO, DVec3::new(-260.0, -330.0, 300.0)),
+        (DVec2::new(60.0, 40.0), DVec3::new(70.0, -110.0, 80.0)),
+        (DVec2::new(-90.0, 20.0), DVec3::new(35.0, 40.0, 28.0)),
+    ]
+    .map(|(at, from)| {
+        let ground = on_ground(tracer, at);
+        // Never inside a building or below a slope.
+        let eye = ground + from;
+        let clear = on_ground(tracer, eye.truncate()).z + 12.0;
+        let eye = eye.with_z(eye.z.max(clear));
+        Camera::looking_at(eye, ground, [CELL_PX, CELL_PX * 3 / 4], f64::from(CELL_PX) * 0.85)
+    });
+    [vec![whole], crops.to_vec(), oblique.to_vec()]
+}
+
+/// A frame from 1 km, north up.
+fn nadir(centre: DVec2, gsd_m: f64) -> Camera {
+    let focal_px = 1000.0 / gsd_m;
+    // The whole scene is seen from over the pivot; a crop is a part of that frame, with its lean.
+    let middle = (f64::from(CELL_PX) - 1.0) / 2.0;
+    Camera {
+        width_px: CELL_PX,
+        height_px: CELL_PX,
+        fx_px: focal_px,
+        fy_px: focal_px,
+        cx_px: middle - centre.x / gsd_m,
+        cy_px: middle + centre.y / gsd_m,
+        position_m: DVec3::new(0.0, 0.0, 1000.0),
+        world_from_camera: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
+    }
+}
+
+fn on_ground(tracer: &Tracer, at: DVec2) -> DVec3 {
+    let down = Ray { origin: at.extend(2000.0), direction: DVec3::NEG_Z };
+    tracer.closest(&down, 4000.0).map_or(at.extend(0.0), |hit| hit.point)
+}
+
+fn picture(tracer: &Tracer, camera: &Camera) -> Image {
+    let environment = Environment {
+        sun_elevation_rad: 42.0_f64.to_radians(),
+        sun_azimuth_rad: 145.0_f64.to_radians(),
+        aerosol_optical_depth: 0.12,
+    };
+    let settings = Settings { samples_per_pixel: 16, sensor: Sensor::WorldView3Rgb };
+    render(tracer, camera, &environment, settings, &SeedPath::root("contact sheet", 0))
+}
+
+fn transposed(rows: &[Vec<Image>]) -> Vec<Vec<Image>> {
+    (0..rows[0].len()).map(|k| rows.iter().map(|row| row[k].clone()).collect()).collect()
+}
+
+/// Cells side by side, rows below each other, a thin gap between.
+fn write(path: &Path, rows: &[Vec<Image>]) -> anyhow::Result<()> {
+    const GAP: u32 = 6;
+    let (cell_width, cell_height) = (rows[0][0].width, rows[0][0].height);
+    let width = (cell_width + GAP) * rows[0].len() as u32 - GAP;
+    let height = (cell_height + GAP) * rows.len() as u32 - GAP;
+    let mut pixels = vec![255; (width * height * 3) as usize];
+    for (j, row) in rows.iter().enumerate() {
+        for (i, cell) in row.iter().enumerate() {
+            let left = (i as u32 * (cell_width + GAP) * 3) as usize;
+            for (v, line) in cell.rgb.chunks_exact(cell_width as usize * 3).enumerate() {
+                let start = (j as u32 * (cell_height + GAP) + v as u32) as usize * width as usize * 3 + left;
+                pixels[start..start + line.len()].copy_from_slice(line);
+            }
+        }
+    }
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, 88).write_image(&pixels, width, height, ExtendedColorType::Rgb8)?;
+    std::fs::write(path, bytes).with_context(|| format!("{} cannot be written", path.display()))
+}
