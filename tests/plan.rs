@@ -172,6 +172,7 @@ fn seen_m(camera: &Camera, z_m: f64) -> f64 {
 #[test]
 fn reach_is_what_the_cameras_see_and_no_more() {
     let mut rng = SeedPath::root("reach", 1).rng();
+    let mut compared = 0;
     for case in 0..500 {
         let heights_m = [rng.range(-250.0, 0.0), rng.range(0.0, 350.0)];
         let datum = [None, Some([12.5, 12.5]), Some(heights_m)][case % 3];
@@ -203,7 +204,9 @@ fn reach_is_what_the_cameras_see_and_no_more() {
             }
         }
         assert!((greatest - stated).abs() < 1e-6 * stated, "{case}: sees {greatest}, stated {stated}");
+        compared += 1;
     }
+    assert!(compared > 250, "{compared}");
 }
 
 #[test]
@@ -308,4 +311,24 @@ fn a_region_for_a_preview() {
         let told = recipe.region(name, variant).unwrap_err().to_string();
         assert!(told.contains(variant.unwrap_or(name)), "{told}");
     }
+}
+
+/// Every recipe in the documentation is one, and the one with all keys shows the defaults.
+#[test]
+fn the_documented_recipe_is_legal_and_shows_the_defaults() {
+    let page = include_str!("../docs/recipe.md");
+    let blocks: Vec<_> = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    assert_eq!(blocks.len(), 1);
+    let documented = recipe(blocks[0], &[]);
+    assert!(Plan::new(&documented).is_ok());
+    let default = recipe("[[scene]]\ncanyon = {}", &[]);
+    assert_eq!(documented.seed(), default.seed());
+    assert_eq!(documented.camera(), default.camera());
+    assert_eq!(documented.acquisition().baselines, default.acquisition().baselines);
+    assert_eq!(documented.acquisition().azimuths, default.acquisition().azimuths);
+    assert_eq!(documented.acquisition().pivot_along_baseline, default.acquisition().pivot_along_baseline);
+    assert_eq!(documented.light(), default.light());
+    assert_eq!(documented.sensor(), default.sensor());
+    assert_eq!(documented.labels(), default.labels());
+    assert_eq!(documented.split(), default.split());
 }

@@ -163,10 +163,21 @@ fn judge(result: Result<Recipe, RecipeError>, input: &str) -> bool {
     }
 }
 
-/// 9,000 recipes, 9,000 overrides, 6,000 seed lists.
 #[test]
 fn mutated_inputs_never_panic() {
-    let mut rng = SeedPath::root("fuzz", 20).rng();
+    mutate_and_judge(20);
+}
+
+/// Over a million inputs.
+#[test]
+#[ignore = "long: run by ./check --long"]
+fn many_mutated_inputs_never_panic() {
+    (100..150).for_each(mutate_and_judge);
+}
+
+/// 9,000 recipes, 9,000 overrides, 6,000 seed lists.
+fn mutate_and_judge(seed: u64) {
+    let mut rng = SeedPath::root("fuzz", seed).rng();
     let mut legal = [0; 3];
     let texts: Vec<&str> = PRESETS.iter().map(|p| p.text).chain([ALL, ALL, ALL]).collect();
     for text in &texts {
