@@ -141,7 +141,7 @@ pub(crate) struct GenerateArgs {
 }
 
 #[derive(Debug, Args)]
-#[allow(dead_code, reason = "read by preview.rs")]
+
 pub(crate) struct PreviewArgs {
     /// A preset's name (see `satseed presets`) or the path of a TOML file
     pub(crate) recipe: String,

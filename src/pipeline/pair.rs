@@ -7,8 +7,8 @@ use crate::dataset::formats::{Pixels, Plane, round_to_256th};
 use crate::dataset::{CameraFile, CameraRecord, Identity, Layer, Sample, View};
 use crate::labels::{Extra, View as LabelView, ViewLabels, extract};
 use crate::plan::PairSpec;
-use crate::recipe::{DisparityPrecision, Label, Labels, SensorPreset};
-use crate::render::{Sensor, Settings, render};
+use crate::recipe::{DisparityPrecision, Label, Labels};
+use crate::render::render;
 use glam::DVec3;
 use satseed_scene::SeedPath;
 
@@ -47,17 +47,9 @@ fn image(scene: &BuiltScene<'_>, pair: &PairSpec, rig: &StereoRig, view: View) -
         View::Left => &rig.left,
         View::Right => &rig.right,
     };
-    let sensor = scene.recipe.sensor();
-    let settings = Settings {
-        samples_per_pixel: sensor.samples_per_pixel,
-        sensor: match sensor.preset {
-            SensorPreset::Ideal => Sensor::Ideal,
-            SensorPreset::Worldview3Rgb => Sensor::WorldView3Rgb,
-        },
-    };
     // The noise of an image is keyed by who it is, so it is the same in shards and when one sample is made again.
     let noise = SeedPath::root("sensor", scene.spec.seed).child(&pair.id).child(view.name());
-    let image = render(&scene.tracer, camera, &scene.environment, settings, &noise);
+    let image = render(&scene.tracer, camera, &scene.environment, scene.recipe.sensor().settings(), &noise);
     Plane { width: image.width, height: image.height, pixels: Pixels::Rgb(image.rgb) }
 }
 

@@ -1,6 +1,7 @@
 //! The tables of a recipe as types. Every value that stands in a [`Recipe`](super::Recipe) has passed its range.
 
 use crate::camera;
+use crate::render;
 use glam::DVec3;
 use satseed_generators::Region;
 use satseed_scene::Environment;
@@ -254,6 +255,17 @@ pub struct Sensor {
     pub preset: SensorPreset,
     /// Rays that a pixel's colour is averaged over, 1..4096. Labels are traced through pixel centres whatever this is.
     pub samples_per_pixel: u32,
+}
+
+impl Sensor {
+    /// What the renderer takes.
+    pub fn settings(&self) -> render::Settings {
+        let sensor = match self.preset {
+            SensorPreset::Ideal => render::Sensor::Ideal,
+            SensorPreset::Worldview3Rgb => render::Sensor::WorldView3Rgb,
+        };
+        render::Settings { samples_per_pixel: self.samples_per_pixel, sensor }
+    }
 }
 
 words! {
