@@ -4,6 +4,7 @@ use glam::DVec3;
 use satseed::camera::{Camera, Datum as RigDatum, StereoRig};
 use satseed::plan::{Plan, PlanError, Shard, Split, frame_reach_m};
 use satseed::recipe::{PRESETS, Preset, Recipe, seed_list_line};
+use satseed_generators::Region;
 use satseed_scene::SeedPath;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -319,7 +320,8 @@ fn the_documented_recipe_is_legal_and_shows_the_defaults() {
     let page = include_str!("../docs/recipe.md");
     let blocks: Vec<_> = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
     assert_eq!(blocks.len(), 1);
-    let documented = recipe(blocks[0], &[]);
+    let version = Region::by_name("canyon").unwrap().version();
+    let documented = recipe(&blocks[0].replace("\ncanyon = 1\n", &format!("\ncanyon = {version}\n")), &[]);
     assert!(Plan::new(&documented).is_ok());
     let default = recipe("[[scene]]\ncanyon = {}", &[]);
     assert_eq!(documented.seed(), default.seed());

@@ -35,7 +35,6 @@ radius_m = 3e2
 toronto = { variant = "midtown", density = 0.5 }
 seeds = [1, 18446744073709551615]
 [generators]
-canyon = 1
 "#;
 
 const SETS: &[&str] = &[
