@@ -26,6 +26,7 @@ mod raster {
     pub(super) const FLOW: u32 = 2;
     pub(super) const SAND: u32 = 3;
     pub(super) const WET: u32 = 4;
+    pub(super) const HOLLOW: u32 = 5;
 }
 
 /// Thickness of scree that the raster's 1 stands for, m.
@@ -53,7 +54,9 @@ pub(super) fn rasters(fold: &Fold, relief: &Relief<'_>, scene_half_m: f64) -> Ve
         // 8 m2 to 8,000 m2 in equal steps of the logarithm.
         of(area_m2, &|a| libm::log10(a / 8.0) / 3.0),
         of(bank_m, &|b| 1.0 - smoothstep(5.0, 45.0, b)),
-        of(bank_m, &|b| 1.0 - smoothstep(0.0, 6.0, b)),
+        // One half at the bank, 1 six metres into the river.
+        of(bank_m, &|b| 0.5 - b / 12.0),
+        MaterialRaster::new(&relief.hollows()),
     ]
 }
 
@@ -62,19 +65,25 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
     let seed = |name: &str| path.child(name).hash_u32();
     let k = contrast as f32;
     let noise = |name: &str, wavelength_m: f32, octaves: u8| Field::world_noise(seed(name), wavelength_m, octaves);
-    // Three scales: patches, stains, grain.
-    let patches = || noise("patch", 22.0, 3).times(0.13 * k);
-    let stains = || noise("stain", 2.6, 3).times(0.10 * k);
-    let grain = || noise("grain", 0.55, 2).times(0.14 * k);
-    let speckle = || noise("speckle", 1.1, 3);
+    // Ragged outlines: octaves that hardly fade.
+    let ragged = |name: &str, wavelength_m: f32| Field::Noise {
+        space: Space::World,
+        seed: seed(name),
+        wavelength_m,
+        octaves: 6,
+        gain: 0.72,
+        stretch: [1.0; 3],
+    };
+    let product = |fields: Vec<Field>| Field::Product(fields);
 
     let bedding = Field::Sum(vec![
         Field::Along(Coordinate::HEIGHT),
         Field::Raster(raster::FOLD).affine(-2.0 * FOLD_LIMIT_M as f32, FOLD_LIMIT_M as f32),
-        noise("bedding", 14.0, 3).times(0.5),
+        noise("bedding", 16.0, 4).times(0.45),
     ]);
     let steep = || Field::Upward.ramp(0.80, 0.55);
-    let flat = || Field::Upward.ramp(0.80, 0.95);
+    let flat = || Field::Upward.ramp(0.82, 0.95);
+    let hollow = || Field::Raster(raster::HOLLOW);
     let streaks = Field::Noise {
         space: Space::World,
         seed: seed("streaks"),
@@ -83,82 +92,127 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         gain: 0.6,
         stretch: [1.0, 1.0, 14.0],
     };
-    let varnish = Field::Product(vec![
+    let varnish = product(vec![
         streaks.ramp(0.0, 0.35),
         noise("varnish", 30.0, 2).ramp(-0.2, 0.25),
         Field::Upward.ramp(0.62, 0.3),
     ]);
-    let soil_color = Bands::new(0.125, 0.165, 0.225, 0.30);
-    let pale_soil = Bands::new(0.17, 0.215, 0.275, 0.34);
-    let rubble_color = Bands::new(0.135, 0.17, 0.215, 0.28);
-    let dark_crust = Bands::new(0.085, 0.10, 0.125, 0.19);
-    let varnish_color = Bands::new(0.065, 0.075, 0.095, 0.15);
-    let sand_color = Bands::new(0.205, 0.26, 0.32, 0.38);
-    let silt_color = Bands::new(0.15, 0.185, 0.225, 0.28);
+    let scree = || Field::Sum(vec![Field::Raster(raster::SCREE), ragged("scree edge", 6.0).times(0.40)]);
+    let sandy = || Field::Sum(vec![Field::Raster(raster::SAND), ragged("sand edge", 14.0).times(0.35)]);
 
-    let scree = Field::Sum(vec![Field::Raster(raster::SCREE), noise("scree edge", 5.0, 4).times(0.45)]);
+    let soil = Bands::new(0.112, 0.150, 0.208, 0.29);
+    let pale_soil = Bands::new(0.150, 0.192, 0.250, 0.32);
+    let rubble = Bands::new(0.122, 0.152, 0.190, 0.26);
+    let crust = Bands::new(0.080, 0.096, 0.122, 0.19);
+    let varnished = Bands::new(0.065, 0.075, 0.095, 0.15);
+    let sand = Bands::new(0.178, 0.226, 0.280, 0.35);
+    let silt = Bands::new(0.135, 0.165, 0.200, 0.26);
+    let cobbles = Bands::new(0.120, 0.140, 0.160, 0.21);
+
     let bare = Material::diffuse("rock", Class::Rock, strata.mean_color())
         .rough(0.4)
         .with(Layer::Strata { beds: strata.colors(), height: bedding, amount: Field::Constant(1.0) })
-        // Slopes are dusted over with what falls on them, and lose some of their beds' colour.
+        // Slopes are dusted over with what falls on them, and lose some of their beds' colour; hollows more than ribs.
         .with(Layer::Mix {
-            color: soil_color,
-            amount: Field::Product(vec![
-                Field::Sum(vec![Field::Upward.ramp(0.55, 0.93).times(0.72), noise("dust", 9.0, 4).times(0.30)]),
+            color: soil,
+            amount: product(vec![
+                Field::Sum(vec![
+                    Field::Upward.ramp(0.60, 0.98).times(0.50),
+                    ragged("dust", 11.0).times(0.30),
+                    hollow().affine(0.9, -0.45),
+                ]),
                 Field::Upward.ramp(0.5, 0.7),
             ]),
         })
-        .with(Layer::Mix { color: varnish_color, amount: varnish.times(0.62) })
+        .with(Layer::Mix { color: varnished, amount: varnish.times(0.62) })
         .with(Layer::Mix {
-            color: rubble_color,
-            amount: Field::Product(vec![scree.ramp(0.05, 0.55), Field::Upward.ramp(0.6, 0.75)]).times(0.62),
+            color: rubble,
+            amount: product(vec![scree().ramp(0.05, 0.6), Field::Upward.ramp(0.6, 0.75)]).times(0.55),
         })
-        // Pockets of pale sand and of dark crust on level rock.
+        // Stones: light and dark specks on scree and on stony slopes.
+        .with(Layer::Brightness {
+            amount: product(vec![
+                Field::Sum(vec![scree().ramp(0.0, 0.5).times(0.8), Field::Upward.ramp(0.97, 0.8).times(0.5)]),
+                ragged("stones", 1.5).times(0.30 * k),
+            ]),
+        })
+        // On level rock, pockets of pale sand in the hollows, dark crust around them, bare ribs between.
         .with(Layer::Mix {
             color: pale_soil,
-            amount: Field::Product(vec![flat(), noise("pockets", 13.0, 4).ramp(0.02, 0.22)]).times(0.75),
-        })
-        .with(Layer::Mix {
-            color: dark_crust,
-            amount: Field::Product(vec![flat(), noise("crust", 7.0, 5).ramp(0.12, 0.32)]).times(0.5),
-        })
-        // Washes carry sand.
-        .with(Layer::Mix { color: sand_color, amount: Field::Raster(raster::FLOW).ramp(0.72, 0.86).times(0.7) })
-        .with(Layer::Mix {
-            color: sand_color,
-            amount: Field::Product(vec![
-                Field::Sum(vec![Field::Raster(raster::SAND), noise("sand edge", 12.0, 3).times(0.35)]).ramp(0.45, 0.75),
-                Field::Upward.ramp(0.85, 0.95),
+            amount: product(vec![
+                flat(),
+                Field::Sum(vec![ragged("pockets", 16.0).times(0.8), hollow().affine(2.4, -1.2)]).ramp(-0.02, 0.35),
             ])
-            .times(0.85),
+            .times(0.7),
         })
         .with(Layer::Mix {
-            color: silt_color,
-            amount: Field::Product(vec![
-                noise("silt", 8.0, 4).ramp(0.0, 0.2),
-                Field::Raster(raster::SAND).ramp(0.6, 0.9),
+            color: crust,
+            amount: product(vec![
+                flat(),
+                ragged("crust", 9.0).ramp(0.05, 0.40),
+                noise("crust patch", 55.0, 2).ramp(-0.2, 0.2),
             ])
-            .times(0.6),
+            .times(0.5),
         })
-        .with(Layer::Brightness { amount: patches() })
-        .with(Layer::Brightness { amount: stains() })
-        .with(Layer::Brightness { amount: grain() })
-        // Cracks and stones: dark specks on steep and stony ground.
-        .with(Layer::Brightness { amount: Field::Product(vec![speckle().ramp(0.12, 0.4), steep()]).times(-0.35 * k) })
+        .with(Layer::Brightness {
+            amount: product(vec![
+                flat(),
+                Field::Warped {
+                    of: Box::new(Field::Cracks {
+                        space: Space::World,
+                        seed: seed("joints"),
+                        cell_m: 17.0,
+                        width_m: 0.5,
+                    }),
+                    seed: seed("joint warp"),
+                    wavelength_m: 9.0,
+                    amplitude_m: 1.6,
+                },
+                noise("joint fade", 40.0, 2).ramp(-0.1, 0.2),
+            ])
+            .times(-0.28 * k),
+        })
+        // Rills are darker where they are damp, and sandy where they are large.
+        .with(Layer::Brightness { amount: Field::Raster(raster::FLOW).ramp(0.25, 0.55).times(-0.10 * k) })
+        .with(Layer::Mix {
+            color: sand,
+            amount: Field::Sum(vec![Field::Raster(raster::FLOW), ragged("wash edge", 7.0).times(0.12)])
+                .ramp(0.74, 0.92)
+                .times(0.6),
+        })
+        .with(Layer::Mix {
+            color: sand,
+            amount: product(vec![sandy().ramp(0.45, 0.75), Field::Upward.ramp(0.85, 0.95)]).times(0.85),
+        })
+        .with(Layer::Mix {
+            color: silt,
+            amount: product(vec![ragged("silt", 12.0).ramp(0.0, 0.3), sandy().ramp(0.5, 0.9)]).times(0.7),
+        })
+        .with(Layer::Mix {
+            color: cobbles,
+            amount: product(vec![ragged("cobbles", 15.0).ramp(0.05, 0.4), Field::Raster(raster::WET).ramp(0.0, 0.45)])
+                .times(0.75),
+        })
+        // Three scales: patches, stains, grain.
+        .with(Layer::Brightness { amount: noise("patch", 24.0, 3).times(0.12 * k) })
+        .with(Layer::Brightness { amount: noise("stain", 2.6, 3).times(0.10 * k) })
+        .with(Layer::Brightness { amount: noise("grain", 0.55, 2).times(0.16 * k) })
+        // Cracks: dark specks on steep rock.
+        .with(Layer::Brightness {
+            amount: product(vec![noise("cracks", 1.1, 3).ramp(0.12, 0.4), steep()]).times(-0.35 * k),
+        })
         .with(Layer::Tint { tint: Bands::new(-0.6, -0.1, 0.5, 0.5), amount: noise("hue", 60.0, 3).times(0.10 * k) })
         .with(Layer::Brightness {
-            amount: Field::Raster(raster::WET).ramp(0.3, 1.0).times(if is_dry { -0.12 } else { -0.38 }),
+            amount: Field::Raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { -0.10 } else { -0.36 }),
         })
         .bumpy(noise("bump", 0.9, 3), 0.06);
     let as_class = |name: &str, class: Class| Material { name: name.to_owned(), class, ..bare.clone() };
+    let shallows = Field::Sum(vec![Field::Raster(raster::WET), ragged("shallows", 14.0).times(0.10)]);
     let water = Material {
         brdf: Brdf::Coated { index: 1.33 },
-        ..Material::diffuse("river", Class::Water, Bands::new(0.05, 0.075, 0.07, 0.03))
-            .with(Layer::Mix {
-                color: Bands::new(0.09, 0.12, 0.13, 0.07),
-                amount: Field::Raster(raster::WET).ramp(1.0, 0.6),
-            })
-            .with(Layer::Brightness { amount: noise("turbid", 18.0, 4).times(0.25 * k) })
+        ..Material::diffuse("river", Class::Water, Bands::new(0.046, 0.068, 0.062, 0.028))
+            .with(Layer::Mix { color: Bands::new(0.085, 0.112, 0.118, 0.06), amount: shallows.ramp(0.85, 0.5) })
+            .with(Layer::Brightness { amount: noise("turbid", 26.0, 5).times(0.22 * k) })
             .bumpy(noise("ripples", 0.8, 2), 0.012)
     };
     vec![bare.clone(), as_class("soil and scree", Class::Ground), as_class("wash sand", Class::Sand), water]

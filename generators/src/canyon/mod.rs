@@ -2,6 +2,7 @@
 
 mod dress;
 mod relief;
+mod scatter;
 mod strata;
 mod valley;
 
@@ -10,7 +11,7 @@ use crate::{ParameterError, check_range};
 use dress::slot;
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
-use relief::{POST_M, Relief};
+use relief::{Cover, POST_M, Relief};
 use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath, quantise_m};
 use serde::{Deserialize, Serialize};
 use strata::Strata;
@@ -120,6 +121,8 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         });
         scene.meshes.push(mesh);
     }
+    let reach_m = window_half_m.min(params.radius_m + 60.0);
+    scatter::scatter(&mut scene, &relief, reach_m, strata.cliff_colors(), &path.child("scatter"));
     scene
 }
 
@@ -140,7 +143,7 @@ fn dressed(tile: TileMesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> 
             let [a, b, c] = t.map(|v| DVec3::from_array(tile.positions_m[v as usize].map(f64::from)));
             let middle = ((a + b + c) / 3.0).truncate();
             let upward = (b - a).cross(c - a).normalize().z;
-            let (bank_m, scree_m) = relief.cover(middle);
+            let Cover { bank_m, scree_m, .. } = relief.cover(middle);
             if bank_m < 4.0 && river.contains(middle) {
                 return if is_dry { slot::SAND } else { slot::WATER };
             }

@@ -7,7 +7,7 @@
 use super::strata::{Habit, RIM_M, Strata};
 use super::valley::{Channels, Fold, Trunk};
 use crate::kit::terrain::erosion::{diffuse, settle, stream_power};
-use crate::kit::terrain::flow::fill_and_drain;
+use crate::kit::terrain::flow::{fill, fill_and_drain};
 use crate::kit::terrain::front::{Apex, cones, rise};
 use crate::kit::terrain::noise::{blocks, fractal, ridged};
 use crate::kit::terrain::sampling::{bicubic, gradient, smoothstep};
@@ -66,6 +66,18 @@ pub(super) struct Worn {
     pub(super) bank_m: Raster<f32>,
     /// The river's level, m.
     level_m: Raster<f32>,
+}
+
+/// What covers a place of the full-detail part.
+pub(super) struct Cover {
+    /// Distance beyond the river's bank, m; negative in the river.
+    pub(super) bank_m: f64,
+    /// Thickness of scree, m.
+    pub(super) scree_m: f64,
+    /// Area that drains through it, m2.
+    pub(super) area_m2: f64,
+    /// How far from its channel the wall has climbed, m on the plane.
+    pub(super) climb_m: f64,
 }
 
 /// The largest distance from the river that is kept, m.
@@ -140,8 +152,7 @@ impl<'a> Relief<'a> {
             self.worn.climb_m.data[p] = v.1 as f32;
         }
         let smooth = d.clone();
-        let border = |p: usize| p % width == 0 || p % width == width - 1 || p / width == 0 || p / width == height - 1;
-        let outlet = |p: usize| plan[p].1 < 0.5 * WORN_M || border(p);
+        let outlet = |p: usize| plan[p].1 < 0.5 * WORN_M || on_border(p, width, height);
         let ease = |habit: Habit| match habit {
             Habit::Cliff => 0.7_f32,
             Habit::Slope => 1.3,
@@ -150,10 +161,10 @@ impl<'a> Relief<'a> {
         };
         let ease: Vec<f32> = self.strata.beds.iter().map(|b| ease(b.habit)).collect();
         let steps = 10;
-        let total = 0.8_f32;
+        let total = 0.42_f32;
         let mut area = vec![0.0; width * height];
         for _ in 0..steps {
-            let drainage = fill_and_drain(&mut d, outlet);
+            let drainage = fill_and_drain(&mut d, self.seeds.plan, outlet);
             area = drainage.area_m2(WORN_M);
             stream_power(&mut d, &drainage, &area, |_, v| {
                 total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
@@ -194,8 +205,9 @@ impl<'a> Relief<'a> {
                     let post = j * offset.width + i;
                     if d < f64::from(offset.data[post].abs()) {
                         let lerp = |v: &[f64]| v[k] + (v[k + 1] - v[k]) * t;
+                        let half = &self.trunk.river_half_m[usize::from(side < 0.0)];
                         offset.data[post] = (d * side) as f32;
-                        bank.data[post] = (d - lerp(&self.trunk.river_half_m)) as f32;
+                        bank.data[post] = (d - lerp(half)) as f32;
                         level.data[post] = lerp(&self.trunk.level_m) as f32;
                     }
                 }
@@ -255,9 +267,7 @@ impl<'a> Relief<'a> {
         let mut z = shape.clone();
         z.data = rows.concat();
         let height = z.height;
-        fill_and_drain(&mut z, |p| {
-            p % width == 0 || p % width == width - 1 || p / width == 0 || p / width == height - 1
-        });
+        fill(&mut z, |p| on_border(p, width, height));
         self.window = z;
     }
 
@@ -330,8 +340,8 @@ impl<'a> Relief<'a> {
             return level;
         }
         let bar = 0.9 * smoothstep(0.0, 8.0, bank + 9.0 * n(1, 26.0));
-        let low_terrace = 1.4 * smoothstep(11.0, 13.5, bank + 18.0 * n(2, 45.0));
-        let high_terrace = 2.2 * smoothstep(22.0, 26.0, bank + 30.0 * n(3, 80.0));
+        let low_terrace = 0.7 * smoothstep(10.0, 15.0, bank + 26.0 * n(2, 52.0));
+        let high_terrace = 1.2 * smoothstep(20.0, 29.0, bank + 34.0 * n(3, 90.0));
         let ground = (n(4, 6.0) * 0.16 + n(7, 1.6) * 0.07) * rough * smoothstep(0.0, 1.5, bank);
         let floor = level
             + 0.12 * smoothstep(0.0, 0.6, bank)
@@ -347,22 +357,53 @@ impl<'a> Relief<'a> {
     /// The banks of the river, or of the dry wash, as lines from upstream down, left and right.
     pub(super) fn banks(&self, half_m: f64) -> [Vec<DVec3>; 2] {
         let trunk = self.trunk;
-        [1.0, -1.0].map(|side| {
+        [(0, 1.0), (1, -1.0)].map(|(bank, side)| {
             trunk
                 .range(half_m)
                 .map(|k| {
                     let last = trunk.thread_m.len() - 1;
                     let along = trunk.thread_m[(k + 1).min(last)] - trunk.thread_m[k.saturating_sub(1)];
-                    let p = trunk.thread_m[k] + along.normalize().perp() * (side * trunk.river_half_m[k]);
+                    let p = trunk.thread_m[k] + along.normalize().perp() * (side * trunk.river_half_m[bank][k]);
                     p.extend(trunk.level_m[k])
                 })
                 .collect()
         })
     }
 
-    /// Distance beyond the river's bank and thickness of scree at a place, m.
-    pub(super) fn cover(&self, p: DVec2) -> (f64, f64) {
-        (self.worn.bank_m.bilinear(p), self.worn.scree_m.bilinear(p))
+    /// Where the ground is hollow (1) or a rib (0), one half where it is even: the mean height around a post against its
+    /// own, over a few metres.
+    pub(super) fn hollows(&self) -> Raster<f32> {
+        let shape = &self.worn.distance_m;
+        let (width, window) = (shape.width, &self.window);
+        let ratio = (WORN_M / POST_M) as i64;
+        let mean = |i: i64, j: i64, half: i64| {
+            let mut sum = 0.0;
+            for dj in -half..=half {
+                for di in -half..=half {
+                    sum += window.get_clamped(i + 2 * di, j + 2 * dj);
+                }
+            }
+            sum / ((2 * half + 1) * (2 * half + 1)) as f32
+        };
+        let data = (0..shape.data.len())
+            .into_par_iter()
+            .map(|p| {
+                let (i, j) = ((p % width) as i64 * ratio, (p / width) as i64 * ratio);
+                0.5 + 0.22 * (mean(i, j, 4) - mean(i, j, 1))
+            })
+            .collect();
+        Raster { data, ..shape.clone() }
+    }
+
+    /// What covers a place.
+    pub(super) fn cover(&self, p: DVec2) -> Cover {
+        let worn = &self.worn;
+        Cover {
+            bank_m: worn.bank_m.bilinear(p),
+            scree_m: worn.scree_m.bilinear(p),
+            area_m2: worn.area_m2.bilinear(p),
+            climb_m: worn.climb_m.bilinear(p),
+        }
     }
 
     /// Upward normal of the window at a place; straight up outside it.
@@ -403,6 +444,11 @@ impl Worn {
             level_m: of(0.0),
         }
     }
+}
+
+fn on_border(post: usize, width: usize, height: usize) -> bool {
+    let (i, j) = (post % width, post / width);
+    i == 0 || j == 0 || i == width - 1 || j == height - 1
 }
 
 fn square(half_m: f64, cell_m: f64) -> Raster<f32> {

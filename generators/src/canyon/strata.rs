@@ -89,14 +89,14 @@ impl Strata {
                     Habit::Bench
                 }
                 Habit::Cliff => {
-                    if rng.chance(0.85) {
+                    if rng.chance(0.68) {
                         Habit::Slope
                     } else {
                         Habit::Cliff
                     }
                 }
                 Habit::Slope => {
-                    if rng.chance(0.7) {
+                    if rng.chance(0.6) {
                         Habit::Cliff
                     } else {
                         Habit::Slope
@@ -109,8 +109,8 @@ impl Strata {
         let bottom = top;
         // Above the rim, thin beds that the plateau's low scarps cut.
         let mut above = RIM_M;
-        while above < RIM_M + PLATEAU_RISE_M + 20.0 {
-            above += rng.range(2.0, 6.0);
+        while above < RIM_M + PLATEAU_RISE_M {
+            above = (above + rng.range(2.0, 6.0)).min(RIM_M + PLATEAU_RISE_M);
             beds.push(Bed { top_m: above, habit: Habit::Plateau, color: bed_color(Habit::Plateau, &mut rng) });
         }
         let knees = profile(bottom, &beds, &mut path.child("profile").rng());
@@ -144,6 +144,12 @@ impl Strata {
         sum * (1.0 / self.laminae.len() as f32)
     }
 
+    /// Colours of the beds that break into blocks.
+    pub(super) fn cliff_colors(&self) -> Vec<Bands> {
+        let wall = self.beds.iter().filter(|b| b.habit == Habit::Cliff && b.top_m > self.knees[0].1 + BELOW_FLOOR_M);
+        wall.map(|b| b.color).collect()
+    }
+
     /// Colours over stratigraphic height.
     pub(super) fn colors(&self) -> Beds {
         Beds::new(&self.laminae)
@@ -171,7 +177,7 @@ fn bed_color(habit: Habit, rng: &mut Rng) -> Bands {
 fn shifted(color: Bands, rng: &mut Rng, amount: f64) -> Bands {
     let bright = (1.0 + rng.signed() * amount) as f32;
     let grey = Bands::grey((color[0] + color[1] + color[2]) / 3.0);
-    color.lerp(grey, (0.12 + rng.signed() * 0.12) as f32) * bright
+    color.lerp(grey, (0.05 + rng.signed() * 0.10) as f32) * bright
 }
 
 /// The wall through all beds: cliffs of steep courses with narrow ledges between, slopes with thin ribs.

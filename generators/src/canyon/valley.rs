@@ -13,7 +13,7 @@ const DOMAIN_M: f64 = 2048.0;
 /// Distance of the course's points, m.
 const STEP_M: f64 = 6.0;
 /// Area that makes a channel, m2.
-const CHANNEL_AREA_M2: f32 = 3200.0;
+const CHANNEL_AREA_M2: f32 = 5000.0;
 /// Fall of the river, m per m.
 const RIVER_GRADIENT: f64 = 0.004;
 /// How much farther than a mean bed a channel's step cuts into a bed of each kind in the same time.
@@ -34,8 +34,8 @@ pub(super) struct Trunk {
     pub(super) thread_m: Vec<DVec2>,
     /// Half the floor's width at each point, m.
     pub(super) floor_half_m: Vec<f64>,
-    /// Half the river's width at each point, m.
-    pub(super) river_half_m: Vec<f64>,
+    /// Distance of the left and the right bank from the centre line at each point, m.
+    pub(super) river_half_m: [Vec<f64>; 2],
     /// Height of the river's surface, or the wash's bed, at each point, m.
     pub(super) level_m: Vec<f64>,
     /// Whether the wash is dry.
@@ -51,7 +51,7 @@ pub(super) struct Fold {
 }
 
 /// The fold never lifts or lowers a bed by more, m.
-pub(super) const FOLD_LIMIT_M: f64 = 16.0;
+pub(super) const FOLD_LIMIT_M: f64 = 12.0;
 
 impl Fold {
     pub(super) fn new(path: &SeedPath) -> Self {
@@ -112,14 +112,18 @@ impl Trunk {
             fractal(DVec2::new(along(k), 0.37 * wavelength), seed ^ salt, wavelength, 3, 0.45)
         };
         let n = axis_m.len();
-        let river_half_m: Vec<f64> = (0..n).map(|k| width * 0.5 * (1.0 + 0.45 * noise(k, 1, 140.0))).collect();
+        let river_half_m = [11, 12].map(|salt| {
+            let uneven = |k| 0.4 * noise(k, 1, 140.0) + 0.42 * noise(k, salt, 48.0);
+            (0..n).map(|k| width * 0.5 * (1.0 + uneven(k)).max(0.45)).collect::<Vec<f64>>()
+        });
+        let widest = |k: usize| river_half_m[0][k].max(river_half_m[1][k]);
         let floor_half_m: Vec<f64> =
-            (0..n).map(|k| (floor * (1.0 + 0.9 * noise(k, 2, 220.0))).clamp(river_half_m[k] + 4.0, 60.0)).collect();
+            (0..n).map(|k| (floor * (1.0 + 0.9 * noise(k, 2, 220.0))).clamp(widest(k) + 4.0, 60.0)).collect();
         let normals: Vec<DVec2> =
             (0..n).map(|k| (axis_m[(k + 1).min(n - 1)] - axis_m[k.saturating_sub(1)]).normalize().perp()).collect();
         let thread_m = (0..n)
             .map(|k| {
-                let room = floor_half_m[k] - river_half_m[k] - 1.0;
+                let room = floor_half_m[k] - widest(k) - 1.0;
                 axis_m[k] + normals[k] * (room * (1.9 * noise(k, 3, 260.0)).clamp(-1.0, 1.0))
             })
             .collect();
@@ -184,8 +188,8 @@ fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded
     for j in 0..z.height {
         for i in 0..z.width {
             let p = z.position(i, j);
-            let hills = fractal(p, seed, 620.0, 6, 0.55) * 9.0;
-            let away = f64::from(lateral.get(i, j)) * 0.007;
+            let hills = fractal(p, seed, 620.0, 6, 0.55) * 7.0;
+            let away = f64::from(lateral.get(i, j)) * 0.004;
             z.set(i, j, (RIM_M + 2.0 + fold.at(p) + away + hills) as f32);
         }
     }
@@ -215,13 +219,13 @@ fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded
                 let top = RIM_M as f32;
                 z.data[p] = top + (level - top) * sunk as f32;
             }
-            let drainage = fill_and_drain(&mut z, |p| is_trunk[p]);
+            let drainage = fill_and_drain(&mut z, seed, |p| is_trunk[p]);
             let area = drainage.area_m2(cell);
             stream_power(&mut z, &drainage, &area, |p, height| {
                 per_step * beds[strata.bed_at(f64::from(height - folds[p]))]
             });
         }
-        let drainage = fill_and_drain(&mut z, |p| is_trunk[p]);
+        let drainage = fill_and_drain(&mut z, seed, |p| is_trunk[p]);
         let area_m2 = drainage.area_m2(cell);
         result = Some((drainage, area_m2, is_trunk));
     }

@@ -98,7 +98,7 @@ mod tests {
             for v in &mut z.data[1..] {
                 *v += uplift_per_strength * 0.05;
             }
-            let d = fill_and_drain(&mut z, |p| p == 0);
+            let d = fill_and_drain(&mut z, 1, |p| p == 0);
             let area = d.area_m2(10.0);
             stream_power(&mut z, &d, &area, |_, _| 0.05);
         }

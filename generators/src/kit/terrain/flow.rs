@@ -1,8 +1,6 @@
 //! Drainage: every post gets a way down, and the area that drains through it.
 
-use satseed_scene::Raster;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use satseed_scene::{Raster, hash_cell, unit_from_hash};
 
 /// The eight neighbours, east first, counter-clockwise.
 pub const NEIGHBOURS: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
@@ -10,12 +8,15 @@ pub const NEIGHBOURS: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0
 /// Least drop along a filled depression, m per post: what makes its water find the outlet.
 const FILL_DROP_M: f32 = 1e-4;
 
+/// Spread of the weights of slopes.
+pub const WANDER: f32 = 0.4;
+
 /// Who drains into whom.
 #[derive(Clone, Debug)]
 pub struct Drainage {
     /// The post into which each post drains; outlets drain into themselves.
     pub receiver: Vec<u32>,
-    /// All posts, each after its receiver.
+    /// All posts that an outlet was found for, each after its receiver.
     pub order: Vec<u32>,
 }
 
@@ -36,54 +37,93 @@ fn neighbours(width: usize, height: usize, post: usize) -> impl Iterator<Item = 
     })
 }
 
-/// Raises depressions until every post has a way down to an outlet, and returns the ways.
+/// Raises depressions until every post has a way down to an outlet, and returns all posts in the order in which the
+/// flood reached them: each after some lower neighbour. Outlets keep their heights.
 ///
-/// Priority flood (Barnes, Lehman, Mulla 2014) with a small drop along filled parts; then each post drains to its
-/// steepest lower neighbour (D8). Ties go to the lower post number. Outlets keep their heights. O(n log n).
-pub fn fill_and_drain(z: &mut Raster<f32>, is_outlet: impl Fn(usize) -> bool) -> Drainage {
+/// Priority flood (Barnes, Lehman, Mulla 2014) with a small drop along filled parts.
+pub fn fill(z: &mut Raster<f32>, is_outlet: impl Fn(usize) -> bool) -> Vec<u32> {
     let (width, height) = (z.width, z.height);
     let n = width * height;
-    let mut heap = BinaryHeap::with_capacity(n / 4);
+    let mut heap = RadixHeap::default();
     let mut seen = vec![false; n];
     let mut order = Vec::with_capacity(n);
-    let mut receiver: Vec<u32> = (0..n as u32).collect();
-    let entry = |z: f32, post: usize| Reverse((u64::from(key(z)) << 32) | post as u64);
-    let mut outlets = vec![false; n];
     for post in (0..n).filter(|p| is_outlet(*p)) {
-        outlets[post] = true;
         seen[post] = true;
-        heap.push(entry(z.data[post], post));
+        heap.push(key(z.data[post]), post as u32);
     }
-    while let Some(Reverse(code)) = heap.pop() {
-        let post = code as u32 as usize;
-        let floor = z.data[post] + FILL_DROP_M;
-        order.push(post as u32);
-        for (_, next) in neighbours(width, height, post) {
+    while let Some(post) = heap.pop() {
+        let floor = z.data[post as usize] + FILL_DROP_M;
+        order.push(post);
+        for (_, next) in neighbours(width, height, post as usize) {
             if !seen[next] {
                 seen[next] = true;
                 if z.data[next] < floor {
                     z.data[next] = floor;
                 }
-                heap.push(entry(z.data[next], next));
+                heap.push(key(z.data[next]), next as u32);
             }
         }
     }
-    for &post in &order {
-        let post = post as usize;
-        if outlets[post] {
+    order
+}
+
+/// [`fill`], then the ways down: each post drains to its steepest lower neighbour (D8), each slope weighed by a hash of
+/// place, direction and `wander` between 1 - [`WANDER`] and 1 + [`WANDER`] (after Rho8, Fairfield and Leymarie 1991):
+/// plain D8 draws straight lines in eight directions. O(n).
+pub fn fill_and_drain(z: &mut Raster<f32>, wander: u32, is_outlet: impl Fn(usize) -> bool) -> Drainage {
+    let order = fill(z, &is_outlet);
+    let mut receiver: Vec<u32> = (0..z.data.len() as u32).collect();
+    for (post, to) in receiver.iter_mut().enumerate() {
+        if is_outlet(post) {
             continue;
         }
         let mut steepest = 0.0;
-        for (k, next) in neighbours(width, height, post) {
-            let run = if k % 2 == 0 { 1.0 } else { core::f32::consts::SQRT_2 };
-            let drop = (z.data[post] - z.data[next]) / run;
-            if drop > steepest {
-                steepest = drop;
-                receiver[post] = next as u32;
+        for (k, next) in neighbours(z.width, z.height, post) {
+            let fall = z.data[post] - z.data[next];
+            if fall <= 0.0 {
+                continue;
+            }
+            let weight = 1.0 - WANDER + 2.0 * WANDER * unit_from_hash(hash_cell(post as i32, k as i32, 0, wander));
+            let slope = fall * weight * if k % 2 == 0 { 1.0 } else { core::f32::consts::FRAC_1_SQRT_2 };
+            if slope > steepest {
+                steepest = slope;
+                *to = next as u32;
             }
         }
     }
     Drainage { receiver, order }
+}
+
+/// A queue for keys that never fall below the last one taken (Ahuja, Mehlhorn, Orlin, Tarjan 1990): the bucket of a key
+/// is the highest bit in which it differs from that one.
+struct RadixHeap {
+    last: u32,
+    buckets: [Vec<(u32, u32)>; 33],
+}
+
+impl Default for RadixHeap {
+    fn default() -> Self {
+        Self { last: 0, buckets: core::array::from_fn(|_| Vec::new()) }
+    }
+}
+
+impl RadixHeap {
+    fn push(&mut self, key: u32, value: u32) {
+        let bucket = (32 - (key ^ self.last).leading_zeros()) as usize;
+        self.buckets[bucket].push((key, value));
+    }
+
+    fn pop(&mut self) -> Option<u32> {
+        if self.buckets[0].is_empty() {
+            let first = self.buckets.iter().position(|b| !b.is_empty())?;
+            let moved = core::mem::take(&mut self.buckets[first]);
+            self.last = moved.iter().map(|m| m.0).min()?;
+            for (key, value) in moved {
+                self.push(key, value);
+            }
+        }
+        self.buckets[0].pop().map(|m| m.1)
+    }
 }
 
 impl Drainage {
@@ -117,7 +157,7 @@ mod tests {
         }
         let border = |p: usize| p % 60 == 0 || p % 60 == 59 || p / 60 == 0 || p / 60 == 49;
         let before = z.clone();
-        let drainage = fill_and_drain(&mut z, border);
+        let drainage = fill_and_drain(&mut z, 1, border);
         assert_eq!(drainage.order.len(), 3000);
         assert!(z.data.iter().zip(&before.data).all(|(a, b)| a >= b));
         for p in 0..3000 {
