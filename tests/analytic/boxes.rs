@@ -76,7 +76,8 @@ pub(crate) fn rigs(placement: Placement, near_feet_m: [f64; 2], far_feet_m: [f64
     let azimuth_rad = placement.azimuth_rad();
     let datum_m = 7.3125;
     // Brings the middle of both frames to the origin at the datum's height.
-    let centred = |altitude_m: f64, feet: [f64; 2]| (feet[0] + feet[1]) / 2.0 * (altitude_m / 0.3) / (altitude_m - datum_m);
+    let centred =
+        |altitude_m: f64, feet: [f64; 2]| (feet[0] + feet[1]) / 2.0 * (altitude_m / 0.3) / (altitude_m - datum_m);
     let near = RigCase {
         altitude_m: 1000.0,
         gsd_m: 0.3,
@@ -142,7 +143,10 @@ fn prove(what: &str, bodies: &Boxes, classes: &[Class], near_feet_m: [f64; 2], f
 #[allow(clippy::print_stderr, reason = "the counts are part of the proof")]
 pub(crate) fn report(what: &str, t: &Tally) {
     let [miss, valid, occluded, out] = t.pixels;
-    eprintln!("{what}: {valid} valid, {occluded} occluded, {out} out of frame, {miss} miss; worst {:.1e} px", t.worst_px);
+    eprintln!(
+        "{what}: {valid} valid, {occluded} occluded, {out} out of frame, {miss} miss; worst {:.1e} px",
+        t.worst_px
+    );
 }
 
 #[test]

@@ -120,9 +120,7 @@ pub(crate) fn check(what: &str, scene: &Scene, case: &RigCase, bodies: &dyn Bodi
         let (elevation, class) = (labels.elevation_m.expect("asked"), labels.class.expect("asked"));
         let (instance, normal) = (labels.instance.expect("asked"), labels.normal.expect("asked"));
         let edge = labels.edge.expect("asked");
-        for (at, pixel) in
-            (0..case.size_px[1]).flat_map(|v| (0..case.size_px[0]).map(move |u| [u, v])).enumerate()
-        {
+        for (at, pixel) in (0..case.size_px[1]).flat_map(|v| (0..case.size_px[0]).map(move |u| [u, v])).enumerate() {
             let (u, v) = (f64::from(pixel[0]), f64::from(pixel[1]));
             let told = explain(&tracer, &rig, view, pixel);
             let place = || format!("{what}, {view:?} {pixel:?}, {case:?}");
@@ -161,6 +159,7 @@ fn expected_edge(form: &Form, bodies: &dyn Bodies, view: View, u: f64, v: f64) -
         bodies.first(form.centre(view), form.slopes(view, u + du, v + dv)).map(|s| form.disparity_px(s.depth_m))
     });
     let hits: Vec<f64> = corners.into_iter().flatten().collect();
-    let span = hits.iter().copied().fold(f64::NEG_INFINITY, f64::max) - hits.iter().copied().fold(f64::INFINITY, f64::min);
+    let span =
+        hits.iter().copied().fold(f64::NEG_INFINITY, f64::max) - hits.iter().copied().fold(f64::INFINITY, f64::min);
     u8::from(matches!(hits.len(), 1..=3) || span > 1.0)
 }

@@ -49,7 +49,8 @@ fn between(from: f64, to: f64) -> Vec<u32> {
 /// B = 50, 100, 150, 200 m: 166.7, 333.3, 500.0, 666.7 px, and 8.1, 16.3, 24.4, 32.6 % of columns are out of frame.
 #[test]
 fn out_of_frame_as_in_the_paper() {
-    for (baseline, disparity, share) in [(50.0, 166.7, 8.1), (100.0, 333.3, 16.3), (150.0, 500.0, 24.4), (200.0, 666.7, 32.6)]
+    for (baseline, disparity, share) in
+        [(50.0, 166.7, 8.1), (100.0, 333.3, 16.3), (150.0, 500.0, 24.4), (200.0, 666.7, 32.6)]
     {
         let d = FOCAL_PX * baseline / 1000.0;
         assert!((d - disparity).abs() < 0.05);
