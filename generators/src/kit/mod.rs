@@ -1,1 +1,11 @@
 //! What regions share: height fields, erosion, triangulation, streets, buildings, vegetation, vehicles.
+
+pub mod buildings;
+pub mod furniture;
+pub mod ground;
+pub mod mesh_builder;
+pub mod parcels;
+pub mod polygon;
+pub mod streets;
+pub mod trees;
+pub mod vehicles;
