@@ -3,3 +3,12 @@
 pub mod rock;
 pub mod shrub;
 pub mod terrain;
+pub mod buildings;
+pub mod furniture;
+pub mod ground;
+pub mod mesh_builder;
+pub mod parcels;
+pub mod polygon;
+pub mod streets;
+pub mod trees;
+pub mod vehicles;
