@@ -145,6 +145,10 @@ impl Bodies for Wedge {
         }
         // Where the line is as high as the crest: beyond it, the wedge is in the way.
         let x = from.point.x + (centre.x - from.point.x) * self.height / centre.z;
-        if (from.point.x - self.x0) * rising < 0.0 { (x - self.x1) * rising > 0.0 } else { (x - self.x1) * rising < 0.0 }
+        if (from.point.x - self.x0) * rising < 0.0 {
+            (x - self.x1) * rising > 0.0
+        } else {
+            (x - self.x1) * rising < 0.0
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! meets there.
 
 use glam::DVec3;
-use satseed_scene::{Scene};
+use satseed_scene::Scene;
 
 type Key = [u64; 3];
 
