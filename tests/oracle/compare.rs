@@ -51,6 +51,8 @@ pub(crate) struct Outcome {
     pub(crate) by_validity: [u64; 4],
     /// Pixels that differ and pass within 1e-9 of the ray's length of an edge.
     pub(crate) in_band: u64,
+    /// Those of them that name another triangle but the same place: a shared edge's other side.
+    pub(crate) same_place: u64,
     /// Pixels that differ without that excuse.
     pub(crate) wrong: u64,
     /// The first of them, in words.
@@ -66,6 +68,7 @@ impl Outcome {
             self.by_validity[k] += other.by_validity[k];
         }
         self.in_band += other.in_band;
+        self.same_place += other.same_place;
         self.wrong += other.wrong;
         self.first = self.first.take().or(other.first);
         self.worst = self.worst.max(other.worst);
@@ -76,8 +79,8 @@ impl Outcome {
         let [miss, valid, occluded, out] = self.by_validity;
         eprintln!(
             "{what}: {} pixels ({valid} valid, {occluded} occluded, {out} out of frame, {miss} miss), {} differ beside an \
-             edge, {} differ; disparity within {:.2} of what is allowed",
-            self.pixels, self.in_band, self.wrong, self.worst
+             edge ({} of them name the neighbour at the same place), {} differ; disparity within {:.2} of what is allowed",
+            self.pixels, self.in_band, self.same_place, self.wrong, self.worst
         );
     }
 
@@ -149,6 +152,8 @@ fn one<C: Candidates + Sync>(
         let points: Vec<DVec3> = [told.point, want.point].into_iter().filter(|p| p.is_finite()).collect();
         if in_band(candidates, rig, view, pixel, &points) {
             outcome.in_band += 1;
+            let near = (told.disparity_px - want.disparity_px).abs() <= 2.0 * allowed_px(rig, &want);
+            outcome.same_place += u64::from(near && told.validity == want.validity);
             return;
         }
     }

@@ -4,7 +4,7 @@ use crate::support::solids::{cuboid, dented, grid, mesh, sphere, without_flat_tr
 use crate::support::stage::{RigCase, Stage};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use satseed::camera::{Datum, StereoRig};
-use satseed_scene::{Class, Rng, Scene, SeedPath};
+use satseed_scene::{Class, Rng, Scene, SeedPath, gradient_noise_2d};
 
 /// A family of scenes: every seed and altitude is another member.
 pub(crate) struct Family {
@@ -156,7 +156,7 @@ fn heights(rng: &mut Rng, altitude_m: f64) -> (Scene, StereoRig) {
 fn exact_grid(rng: &mut Rng, altitude_m: f64) -> (Scene, StereoRig) {
     let mut stage = Stage::new();
     let step = *rng.pick(&[0.25, 0.5, 0.75]);
-    let relief = *rng.pick(&[0.0, 0.5, 2.0]);
+    let relief = *rng.pick(&[0.0, 0.5, 4.0]);
     let at = |k: u64| (k as f64 - 8.0) * step;
     let rise = rng.below(16);
     let m = grid(at(0), at(0), step, 16, &mut |x, y| if x > at(rise) { relief * (y / step).abs() } else { 0.0 });
@@ -285,4 +285,51 @@ pub(crate) fn gaps(rng: &mut Rng, altitude_m: f64) -> (Scene, StereoRig) {
         stage.place(m, place, Class::Roof);
     }
     (stage.finish(), rig(rng, altitude_m, 2e-6))
+}
+
+/// A piece of country: tiled terrain with bit-equal borders, trees as instances of one mesh, turned boxes, about
+/// `cells`^2 * 2 triangles of terrain around the origin.
+pub(crate) fn town(seed: u64, cells: u32, cell_m: f64, things: u32) -> Scene {
+    let path = SeedPath::root("town", seed);
+    let mut stage = Stage::new();
+    let half = f64::from(cells) * cell_m / 2.0;
+    let noise = path.child("ground").hash_u32();
+    let mut height = |x: f64, y: f64| {
+        let at = |wave: f64| f64::from(gradient_noise_2d(x / wave, y / wave, noise));
+        25.0 * at(90.0) + 6.0 * at(17.0) + 0.4 * at(2.3)
+    };
+    const TILES: u32 = 4;
+    let side = f64::from(cells / TILES) * cell_m;
+    for j in 0..TILES {
+        for i in 0..TILES {
+            let (x, y) = (f64::from(i) * side - half, f64::from(j) * side - half);
+            stage.add(grid(x, y, cell_m, cells / TILES, &mut height), DAffine3::IDENTITY, Class::Ground);
+        }
+    }
+    let mut rng = path.child("things").rng();
+    let tree = stage.mesh(without_flat_triangles(dented(DVec3::new(0.0, 0.0, 6.0), 4.0, 3, 0.35, &mut rng)));
+    let house = stage.mesh(cuboid(DVec3::new(-6.0, -4.0, -8.0), DVec3::new(6.0, 4.0, 9.0)));
+    for k in 0..things {
+        let (x, y) = (rng.signed() * half * 0.98, rng.signed() * half * 0.98);
+        let foot = DAffine3::from_translation(DVec3::new(x, y, height(x, y)))
+            * DAffine3::from_rotation_z(rng.range(0.0, 6.3))
+            * DAffine3::from_scale(DVec3::new(rng.range(0.6, 1.5), rng.range(0.6, 1.5), rng.range(0.5, 2.5)));
+        let (mesh, class) = if k % 3 == 0 { (house, Class::Facade) } else { (tree, Class::Tree) };
+        stage.place(mesh, foot, class);
+    }
+    stage.finish()
+}
+
+/// A pair over the origin with the frames overlapping at height 0.
+pub(crate) fn pair(altitude_m: f64, size_px: [u32; 2], azimuth_rad: f64) -> StereoRig {
+    RigCase {
+        altitude_m,
+        gsd_m: 0.3,
+        size_px,
+        feet_m: [-0.08 * altitude_m, 0.12 * altitude_m],
+        azimuth_rad,
+        datum: Datum::Height(0.0),
+        shift_px: [0.02 * altitude_m / 0.3, 0.0],
+    }
+    .rig()
 }
