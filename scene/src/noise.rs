@@ -35,11 +35,13 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// Splits a coordinate into its cell and the fraction within. Cells beyond i32 saturate.
+/// Splits a coordinate into its cell and the fraction within; |x| below 2^31. (The cast and a correction are floor, and
+/// several times quicker than a call on targets whose baseline has no rounding instruction.)
 #[inline]
 fn cell(x: f64) -> (i32, f32) {
-    let floor = libm::floor(x);
-    (floor as i32, (x - floor) as f32)
+    let towards_zero = x as i32;
+    let floor = towards_zero - i32::from(f64::from(towards_zero) > x);
+    (floor, (x - f64::from(floor)) as f32)
 }
 
 /// Gradient noise over the plane, mean 0, range about -1..1, wavelength about 1.
