@@ -2,7 +2,6 @@
 
 use super::light::Light;
 use super::sampling::{Sample, cosine_direction, disc_direction};
-use crate::labels::reach_m;
 use glam::{DVec2, DVec3};
 use satseed_scene::{Bands, Brdf, Environment, Ray, Shade, SurfacePoint};
 use satseed_tracer::{Hit, Origin, Tracer};
@@ -19,7 +18,7 @@ mod purpose {
 
 /// Radiance at the ground along a camera ray, W / (m^2 sr um). `spread` is the footprint's growth per metre.
 pub(super) fn radiance(tracer: &Tracer, light: &Light, ray: &Ray, spread: f64, sample: &Sample) -> Bands {
-    let Some(hit) = tracer.closest(ray, reach_m(tracer, ray.origin)) else {
+    let Some(hit) = tracer.closest(ray, tracer.reach_m(ray.origin)) else {
         return light.sky_radiance(ray.direction);
     };
     let (shade, origin) = surface(tracer, ray, &hit, hit.t * spread);
@@ -97,7 +96,7 @@ fn direct(
 ) -> Bands {
     let to_sun = disc_direction(light.sun, Environment::SUN_ANGULAR_RADIUS_RAD, sample.square(purpose));
     let scattered = scatter(shade, hit.normal, to_sun, view);
-    if scattered.max_band() <= 0.0 || tracer.blocked(origin, to_sun, reach_m(tracer, hit.point)) {
+    if scattered.max_band() <= 0.0 || tracer.blocked(origin, to_sun, tracer.reach_m(hit.point)) {
         return Bands::ZERO;
     }
     light.sun_irradiance * scattered
@@ -173,7 +172,7 @@ const BOUNCE_FOOTPRINT_M: f64 = 1.5;
 
 /// Radiance that arrives at a surface point from a direction: sky, or the sunlit and sky-lit surface that hides it.
 fn incoming(tracer: &Tracer, light: &Light, from: &Origin, direction: DVec3, sample: &Sample) -> Bands {
-    let Some(hit) = tracer.closest_from(from, direction, reach_m(tracer, from.point())) else {
+    let Some(hit) = tracer.closest_from(from, direction, tracer.reach_m(from.point())) else {
         return light.sky_radiance(direction);
     };
     let ray = Ray { origin: from.point(), direction };
