@@ -162,9 +162,5 @@ fn expected_edge(form: &Form, bodies: &dyn Bodies, view: View, u: f64, v: f64) -
     let hits: Vec<f64> = corners.into_iter().flatten().collect();
     let span =
         hits.iter().copied().fold(f64::NEG_INFINITY, f64::max) - hits.iter().copied().fold(f64::INFINITY, f64::min);
-<<<<<<< HEAD
-    u8::from(matches!(hits.len(), 1..=3) || span > 1.0)
-=======
     (u8::from(matches!(hits.len(), 1..=3) || span > 1.0), corners)
->>>>>>> oracle
 }
