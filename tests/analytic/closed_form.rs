@@ -125,7 +125,8 @@ pub(crate) fn check(what: &str, scene: &Scene, case: &RigCase, bodies: &dyn Bodi
             let told = explain(&tracer, &rig, view, pixel);
             let place = || format!("{what}, {view:?} {pixel:?}, {case:?}");
             assert_eq!(told.validity as u8, labels.validity[at], "explain and the map differ: {}", place());
-            assert_eq!(edge[at], expected_edge(&form, bodies, view, u, v), "edge: {}", place());
+            let (wanted, corners) = expected_edge(&form, bodies, view, u, v);
+            assert_eq!(edge[at], wanted, "edge {corners:?}: {}", place());
             let Some(want) = form.expected(bodies, view, u, v) else {
                 assert_eq!(told.validity, Validity::Miss, "{}", place());
                 assert_eq!(labels.disparity_px[at].to_bits(), 0x7fc0_0000, "{}", place());
@@ -154,12 +155,12 @@ pub(crate) fn check(what: &str, scene: &Scene, case: &RigCase, bodies: &dyn Bodi
 }
 
 /// 1 where the closed form's disparities at the pixel's corners span more than 1 px, or only some of them exist.
-fn expected_edge(form: &Form, bodies: &dyn Bodies, view: View, u: f64, v: f64) -> u8 {
+fn expected_edge(form: &Form, bodies: &dyn Bodies, view: View, u: f64, v: f64) -> (u8, [Option<f64>; 4]) {
     let corners = [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)].map(|(du, dv)| {
         bodies.first(form.centre(view), form.slopes(view, u + du, v + dv)).map(|s| form.disparity_px(s.depth_m))
     });
     let hits: Vec<f64> = corners.into_iter().flatten().collect();
     let span =
         hits.iter().copied().fold(f64::NEG_INFINITY, f64::max) - hits.iter().copied().fold(f64::INFINITY, f64::min);
-    u8::from(matches!(hits.len(), 1..=3) || span > 1.0)
+    (u8::from(matches!(hits.len(), 1..=3) || span > 1.0), corners)
 }
