@@ -131,7 +131,7 @@ fn block_at(
     let scale = DVec3::new(1.0, rng.range(0.75, 1.1), rng.range(0.8, 1.3)) * size;
     // Its lowest points reach below the lowest ground around it.
     let base = lowest(relief, p, 0.5 * size);
-    let z = (base + 0.12 * size).min(relief.height_m(p) + 0.2 * size);
+    let z = (base + 0.02 * size).min(relief.height_m(p) + 0.15 * size);
     let at_m = p.extend(z);
     Some(Placed {
         at_m,

@@ -195,7 +195,7 @@ fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded
     }
     let mut result = None;
     // (cell, steps, share of the whole incision)
-    for (cell, steps, share) in [(16.0, 40, 0.8), (8.0, 14, 0.2)] {
+    for (cell, steps, share) in [(16.0, 30, 0.8), (8.0, 9, 0.2)] {
         if z.cell_m != cell {
             let mut fine = grid(cell);
             for j in 0..fine.height {
