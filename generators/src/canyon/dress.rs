@@ -220,7 +220,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
             amount: raster(raster::HUE).affine(0.2 * k, -0.1 * k),
         })
         .with(Layer::Brightness {
-            amount: raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { -0.10 } else { -0.36 }),
+            amount: raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { 0.14 } else { -0.36 }),
         })
         .bumpy(
             Field::Noise {

@@ -16,7 +16,7 @@ use satseed_scene::{
 const VARIANTS: usize = 14;
 /// Side of the cells in which at most one thing of each kind is placed, m.
 const SHRUB_CELL_M: f64 = 2.0;
-const BLOCK_CELL_M: f64 = 3.0;
+const BLOCK_CELL_M: f64 = 2.0;
 
 /// A kind of thing: where it may stand, and what stands there.
 struct Placed {
