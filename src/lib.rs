@@ -14,7 +14,9 @@
 //! ```
 
 pub mod camera;
+pub mod dataset;
 pub mod labels;
+pub mod pipeline;
 pub mod plan;
 pub mod recipe;
 pub mod render;

@@ -14,8 +14,7 @@ pub use reach::{DatumBounds, frame_reach_m};
 pub use shard::{Shard, ShardError, Share};
 pub use split::Split;
 
-use crate::recipe::{MAX_PIVOTS, Pivots, Recipe, changed_parameters, parameters_text};
-use satseed_generators::Region;
+use crate::recipe::{MAX_PIVOTS, PairGeometry, Pivots, Recipe, Region, changed_parameters, parameters_text};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most pairs of a plan; more are refused, since a plan stands in memory.
@@ -68,6 +67,15 @@ pub struct PairSpec {
 }
 
 impl PairSpec {
+    /// What its cameras are made of, beside the recipe's `[camera]`.
+    pub fn geometry(&self) -> PairGeometry {
+        PairGeometry {
+            baseline_m: self.baseline_m,
+            azimuth_deg: self.azimuth_deg,
+            pivot_along_baseline: self.pivot_along_baseline,
+        }
+    }
+
     /// The pair's folder within its scene's: `b03-a17`.
     pub fn folder(&self) -> &str {
         self.id.split_once('/').map_or(self.id.as_str(), |(_, folder)| folder)

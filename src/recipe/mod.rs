@@ -5,22 +5,30 @@
 //! laid over each other as such trees; only then are the tables read (`read`), so that a mistake anywhere is told with
 //! its file, line and column. Nothing here knows what is done with a recipe.
 
+mod load;
 mod node;
 mod parts;
+mod presets;
 mod read;
 mod reader;
 mod region;
+mod seed_list;
+mod set;
 mod source;
 mod write;
 
+pub use load::{Changes, MAX_SEED_LIST_BYTES};
 pub use parts::{
-    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PivotAlongBaseline,
-    Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
+    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
+    PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
 };
+pub use presets::{PRESETS, Preset};
+pub use seed_list::seed_list_line;
 pub use source::RecipeError;
 pub(crate) use write::{changed_parameters, parameters_text};
 
-use source::{Origin, Source, SourceKind};
+/// A region with its parameters, as a recipe names it.
+pub use satseed_generators::Region;
 
 /// Largest recipe file, bytes.
 pub const MAX_RECIPE_BYTES: u64 = 1 << 20;
@@ -45,13 +53,6 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Reads the text of a recipe; `name` is what messages call it.
-    pub fn parse(name: &str, text: &str) -> Result<Self, RecipeError> {
-        let source = Source::new(name, text, SourceKind::File);
-        let document = node::parse_document(&source)?;
-        read::recipe_from(document, Origin::beginning(&source))
-    }
-
     /// The seed, 0..9e14. The scenes' own seeds follow from it.
     pub fn seed(&self) -> u64 {
         self.seed
@@ -85,6 +86,26 @@ impl Recipe {
     /// How pairs fall into splits.
     pub fn split(&self) -> SplitRule {
         self.split
+    }
+
+    /// A region as the recipe's first `[[scene]]` of it has it, with another variant where one is named; where no
+    /// `[[scene]]` has it, its defaults.
+    pub fn region(&self, name: &str, variant: Option<&str>) -> Result<Region, RecipeError> {
+        let same = |scene: &&SceneEntry| scene.region.name() == name;
+        let wanted = |scene: &&SceneEntry| variant.is_none_or(|v| scene.region.variant() == v);
+        let scenes = || self.scenes.iter().filter(same);
+        if let Some(scene) = scenes().find(wanted) {
+            return Ok(scene.region.clone());
+        }
+        let base = scenes().next().map(|scene| scene.region.clone()).or_else(|| Region::by_name(name));
+        let Some(base) = base else {
+            let (name, names) = (source::plain(name, 60), Region::NAMES.join(", "));
+            return Err(RecipeError::placeless(format!("`{name}` is no region; regions are {names}")));
+        };
+        match variant {
+            None => Ok(base),
+            Some(variant) => write::with_variant(&base, variant),
+        }
     }
 
     /// The scenes, in the order of the recipe; at least one.

@@ -58,25 +58,29 @@ impl Node {
 
 /// Parses a whole TOML document.
 pub(super) fn parse_document(source: &Arc<Source>) -> Result<Table, RecipeError> {
-    let document = DeTable::parse(&source.text).map_err(|e| syntax_error(source, &e))?;
+    let document = DeTable::parse(&source.text).map_err(|e| syntax_error(source, &e, 0))?;
     entries_from(source, document.get_ref(), 0, 0)
 }
 
-/// Parses one TOML value; `offset` is where `text` begins in the source.
+/// Parses one TOML value; `offset` is where `text` begins in the source. Bare text is a string: `camera.datum=pivot` needs
+/// no quotes that a shell would eat.
 pub(super) fn parse_value(source: &Arc<Source>, text: &str, offset: usize) -> Result<Node, RecipeError> {
-    let value = DeValue::parse(text).map_err(|e| shift(source, &e, offset))?;
-    node_from(source, &value, 0, offset)
+    let is_bare = |b: u8| b.is_ascii_alphanumeric() || b"_-./+".contains(&b);
+    match DeValue::parse(text) {
+        Ok(value) => node_from(source, &value, 0, offset),
+        Err(_) if text.bytes().all(is_bare) => {
+            let origin = Origin::new(source, offset..offset + text.len());
+            Ok(Node { value: Value::Text(text.to_owned()), origin })
+        }
+        Err(e) => Err(syntax_error(source, &e, offset)),
+    }
 }
 
-fn syntax_error(source: &Arc<Source>, e: &toml::de::Error) -> RecipeError {
-    shift(source, e, 0)
-}
-
-fn shift(source: &Arc<Source>, e: &toml::de::Error, offset: usize) -> RecipeError {
+fn syntax_error(source: &Arc<Source>, e: &toml::de::Error, offset: usize) -> RecipeError {
     let span = e.span().unwrap_or(0..0);
     let what = match source.kind {
         SourceKind::File => "this is not TOML",
-        SourceKind::Set => "the value is not TOML",
+        SourceKind::Argument => "the value is not TOML",
     };
     Origin::new(source, span.start + offset..span.end + offset).error(format!("{what}: {}", e.message()))
 }

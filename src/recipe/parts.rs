@@ -1,5 +1,8 @@
 //! The tables of a recipe as types. Every value that stands in a [`Recipe`](super::Recipe) has passed its range.
 
+use crate::camera;
+use crate::render;
+use glam::DVec3;
 use satseed_generators::Region;
 use satseed_scene::Environment;
 use std::collections::BTreeSet;
@@ -23,15 +26,45 @@ impl Camera {
         self.altitude_m / self.gsd_m
     }
 
+    /// Convergence angle 2 atan(B / 2H) of a baseline, degrees.
+    pub fn convergence_deg(&self, baseline_m: f64) -> f64 {
+        (2.0 * libm::atan(baseline_m / (2.0 * self.altitude_m))).to_degrees()
+    }
+
     /// Size of a frame's footprint at z = 0, m.
     pub fn footprint_m(&self) -> [f64; 2] {
         self.size_px.map(|n| f64::from(n) * self.gsd_m)
+    }
+
+    /// The rig of one pair, once the pivot's place and the height of the datum are known.
+    pub fn rig_spec(&self, pair: &PairGeometry, pivot_m: DVec3, datum: camera::Datum) -> camera::RigSpec {
+        camera::RigSpec {
+            altitude_m: self.altitude_m,
+            gsd_m: self.gsd_m,
+            size_px: self.size_px,
+            baseline_m: pair.baseline_m,
+            azimuth_rad: pair.azimuth_deg.to_radians(),
+            pivot_along_baseline: pair.pivot_along_baseline,
+            pivot_m,
+            datum,
+        }
     }
 
     /// Pixels of one frame.
     pub fn pixels(&self) -> u64 {
         u64::from(self.size_px[0]) * u64::from(self.size_px[1])
     }
+}
+
+/// What tells one pair of a pivot from another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairGeometry {
+    /// Distance of the cameras, m.
+    pub baseline_m: f64,
+    /// Direction from the left to the right camera, degrees clockwise from north.
+    pub azimuth_deg: f64,
+    /// Where the pivot's foot stands along the baseline: 0 under the left camera, 1 under the right one.
+    pub pivot_along_baseline: f64,
 }
 
 /// The height at which the disparity is zero and both frames show the same ground.
@@ -222,6 +255,17 @@ pub struct Sensor {
     pub preset: SensorPreset,
     /// Rays that a pixel's colour is averaged over, 1..4096. Labels are traced through pixel centres whatever this is.
     pub samples_per_pixel: u32,
+}
+
+impl Sensor {
+    /// What the renderer takes.
+    pub fn settings(&self) -> render::Settings {
+        let sensor = match self.preset {
+            SensorPreset::Ideal => render::Sensor::Ideal,
+            SensorPreset::Worldview3Rgb => render::Sensor::WorldView3Rgb,
+        };
+        render::Settings { samples_per_pixel: self.samples_per_pixel, sensor }
+    }
 }
 
 words! {

@@ -24,9 +24,12 @@ pub(super) fn recipe_from(document: Table, origin: Origin) -> Result<Recipe, Rec
     let mut table = root.table("split")?;
     let split = table.word("rule", SplitRule::ALL)?.unwrap_or(SplitRule::ByPivot);
     table.finish()?;
-    let scenes = scenes(&mut root)?;
     generator_versions(root.table("generators")?)?;
+    let list = root.take("scene");
+    // Unknown keys before missing ones: who writes `[[scenes]]` should hear of that.
+    let origin = root.origin.clone();
     root.finish()?;
+    let scenes = scenes(list, &origin)?;
     Ok(Recipe { seed, camera, acquisition, light, sensor, labels, split, scenes })
 }
 
@@ -261,9 +264,9 @@ fn labels(mut table: Reader) -> Result<Labels, RecipeError> {
     Ok(Labels { write, disparity_precision })
 }
 
-fn scenes(root: &mut Reader) -> Result<Vec<SceneEntry>, RecipeError> {
-    let list = match root.take("scene") {
-        None => return Err(root.origin.error("no `[[scene]]` names a region, and `extends` brings none")),
+fn scenes(list: Option<Node>, document: &Origin) -> Result<Vec<SceneEntry>, RecipeError> {
+    let list = match list {
+        None => return Err(document.error("no `[[scene]]` names a region, and `extends` brings none")),
         Some(Node { value: Value::List(list), origin }) if list.is_empty() => {
             return Err(origin.error("`scene` is empty: at least one `[[scene]]` has to name a region"));
         }
@@ -315,7 +318,7 @@ fn scene(node: Node) -> Result<SceneEntry, RecipeError> {
         let message = format!("this `[[scene]]` names {name} and {other}: one region each");
         return Err(entry.key.error(message));
     }
-    let region = region_from(&format!("scene.{name}"), &name, &key, node)?;
+    let region = region_from(&format!("scene.{name}"), &name, &key, &node)?;
     Ok(SceneEntry { region, pivots })
 }
 

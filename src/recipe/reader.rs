@@ -158,7 +158,7 @@ pub(super) fn word<T: Copy>(name: &str, node: &Node, words: &[(&str, T)]) -> Res
 }
 
 /// The unit that a key's name carries, for messages.
-fn unit_of(name: &str) -> &'static str {
+pub(super) fn unit_of(name: &str) -> &'static str {
     let name = name.split('[').next().unwrap_or(name);
     let last = name.rsplit('.').find(|part| !matches!(*part, "from" | "to")).unwrap_or(name);
     match last.rsplit('_').next() {

@@ -1,6 +1,7 @@
 //! A region with its parameters out of a document: serde over [`Node`], so that every mistake keeps its place.
 
 use super::node::{Node, Table, Value};
+use super::reader::unit_of;
 use super::source::{Origin, RecipeError};
 use satseed_generators::Region;
 use serde::de::value::{MapAccessDeserializer, StringDeserializer};
@@ -9,7 +10,7 @@ use serde::{Deserialize, Deserializer, forward_to_deserialize_any};
 use std::fmt;
 
 /// The region `name` with the parameters in `node`, each in its range. `path` names it in messages.
-pub(super) fn region_from(path: &str, name: &str, key: &Origin, node: Node) -> Result<Region, RecipeError> {
+pub(super) fn region_from(path: &str, name: &str, key: &Origin, node: &Node) -> Result<Region, RecipeError> {
     if !matches!(node.value, Value::Table(_)) {
         let message = format!("`{path}` must be a table of parameters such as {{}}, found {}", node.describe());
         return Err(node.origin.error(message));
@@ -20,21 +21,22 @@ pub(super) fn region_from(path: &str, name: &str, key: &Origin, node: Node) -> R
         e.origin.as_ref().unwrap_or(key).error(format!("in `{keys}`: {}", e.message))
     })?;
     region.check().map_err(|e| {
-        let origin = find(&node, e.key).unwrap_or(key);
-        let message = format!("`{path}.{}` is {:?}, but must lie in {:?} to {:?}", e.key, e.found, e.low, e.high);
-        origin.error(message)
+        let origin = find(node, e.key).map_or(key, |found| &found.origin);
+        let found = find(node, e.key).map_or_else(|| format!("{:?}", e.found), Node::describe);
+        let unit = unit_of(e.key);
+        origin.error(format!("`{path}.{}` is {found}, but must lie in {} to {}{unit}", e.key, e.low, e.high))
     })?;
     Ok(region)
 }
 
-/// Where the value of a dotted key stands.
-fn find<'a>(node: &'a Node, key: &str) -> Option<&'a Origin> {
+/// The value of a dotted key.
+fn find<'a>(node: &'a Node, key: &str) -> Option<&'a Node> {
     let mut node = node;
     for part in key.split('.') {
         let Value::Table(Table(entries)) = &node.value else { return None };
         node = &entries.get(part)?.node;
     }
-    Some(&node.origin)
+    Some(node)
 }
 
 /// What serde says, with the place of the value that it is about.
@@ -67,7 +69,7 @@ impl serde::de::Error for PlacedError {
     }
 }
 
-impl<'de> IntoDeserializer<'de, PlacedError> for Node {
+impl IntoDeserializer<'_, PlacedError> for Node {
     type Deserializer = Self;
     fn into_deserializer(self) -> Self {
         self

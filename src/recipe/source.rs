@@ -21,7 +21,7 @@ pub(super) enum SourceKind {
     /// `name:line:column`
     File,
     /// `--set key=value, column N`: it has one line.
-    Set,
+    Argument,
 }
 
 impl Source {
@@ -151,7 +151,7 @@ impl fmt::Display for RecipeError {
         let Some(p) = &self.place else { return f.write_str(&self.message) };
         match p.kind {
             SourceKind::File => write!(f, "{}:{}:{}: ", p.name, p.line, p.column)?,
-            SourceKind::Set => write!(f, "{}, column {}: ", p.name, p.column)?,
+            SourceKind::Argument => write!(f, "{}, column {}: ", p.name, p.column)?,
         }
         let number = p.line.to_string();
         let gutter = number.len();
@@ -188,8 +188,8 @@ mod tests {
 
     #[test]
     fn spans_past_the_end_and_inside_characters_are_harmless() {
-        for span in [0..0, 1..2, 5..900, 900..901, 3..2] {
-            let _ = error_at("äöü", span).to_string();
+        for (start, end) in [(0, 0), (1, 2), (5, 900), (900, 901), (3, 2)] {
+            let _ = error_at("äöü", Range { start, end }).to_string();
         }
         let _ = error_at("", 0..5).to_string();
     }

@@ -1,6 +1,7 @@
 //! A recipe as text again: the resolved recipe that stands in a dataset.
 
 use super::parts::{Azimuths, Baselines, Datum, PivotAlongBaseline, Pivots, Series};
+use super::source::{RecipeError, plain};
 use super::{Recipe, SceneEntry};
 use satseed_generators::Region;
 use std::collections::BTreeMap;
@@ -87,16 +88,42 @@ fn write_scene(out: &mut String, scene: &SceneEntry) -> std::fmt::Result {
 
 /// All parameters of a region as an inline TOML table with sorted keys: equal parameters give equal text.
 pub(crate) fn parameters_text(region: &Region) -> String {
-    inline(&parameters(region))
+    let Value::Table(table) = parameters(region) else { return "{}".to_owned() };
+    let mut entries: Vec<_> = table.iter().map(|(key, v)| format!("{key} = {}", inline(v))).collect();
+    entries.sort();
+    format!("{{ {} }}", entries.join(", "))
+}
+
+/// Whether the variant is one of the region's parameters.
+pub(super) fn has_variants(region: &Region) -> bool {
+    parameters(region).get("variant").is_some()
+}
+
+/// The region with another variant.
+pub(super) fn with_variant(region: &Region, variant: &str) -> Result<Region, RecipeError> {
+    if region.variant() == variant {
+        return Ok(region.clone());
+    }
+    let refused = |why: &str| {
+        let (name, variant) = (region.name(), plain(variant, 60));
+        RecipeError::placeless(format!("region {name} has no variant `{variant}`: {why}"))
+    };
+    let mut parameters = parameters(region);
+    match parameters.get_mut("variant") {
+        Some(value) => *value = Value::String(variant.to_owned()),
+        None => return Err(refused(&format!("its only one is {}", region.variant()))),
+    }
+    let tagged = Value::Table([(region.name().to_owned(), parameters)].into_iter().collect());
+    let region = tagged.try_into::<Region>().map_err(|e| refused(e.message()))?;
+    region.check().map_err(|e| refused(&e.to_string()))?;
+    Ok(region)
 }
 
 /// The parameters of a region that differ from the defaults of its variant, `key` and inline TOML; nested keys dotted.
 pub(crate) fn changed_parameters(region: &Region) -> Vec<(String, String)> {
     let mut defaults = Region::by_name(region.name()).map_or(Value::Table(toml::Table::new()), |r| parameters(&r));
     let own = parameters(region);
-    if let (Value::Table(defaults), Value::Table(own)) = (&mut defaults, &own)
-        && let Some(variant) = own.get("variant")
-    {
+    if let (Value::Table(defaults), Some(variant)) = (&mut defaults, own.get("variant")) {
         defaults.insert("variant".to_owned(), variant.clone());
     }
     let mut changed = Vec::new();
@@ -129,14 +156,15 @@ fn parameters(region: &Region) -> Value {
     }
 }
 
+/// A value as inline TOML without blanks, so that it is one word of a seed list.
 fn inline(value: &Value) -> String {
     match value {
         Value::Table(table) => {
-            let mut entries: Vec<_> = table.iter().map(|(key, v)| format!("{key} = {}", inline(v))).collect();
+            let mut entries: Vec<_> = table.iter().map(|(key, v)| format!("{key}={}", inline(v))).collect();
             entries.sort();
-            if entries.is_empty() { "{}".to_owned() } else { format!("{{ {} }}", entries.join(", ")) }
+            format!("{{{}}}", entries.join(","))
         }
-        Value::Array(items) => format!("[{}]", items.iter().map(inline).collect::<Vec<_>>().join(", ")),
+        Value::Array(items) => format!("[{}]", items.iter().map(inline).collect::<Vec<_>>().join(",")),
         Value::Float(x) => format!("{x:?}"),
         other => other.to_string(),
     }

@@ -95,7 +95,7 @@ impl SlabRay {
     }
 
     /// Entry distances of the eight boxes, and a bit for each that is met before `limit`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn meet(&self, boxes: &Boxes8, limit: f32) -> ([f32; 8], u32) {
         let mut near = [0.0_f32; 8];
         let mut far = [limit; 8];

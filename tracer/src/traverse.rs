@@ -71,6 +71,13 @@ impl<'s> Tracer<'s> {
         [self.instances.bounds.low, self.instances.bounds.high]
     }
 
+    /// A length that takes a ray from a point beyond the far side of everything, m.
+    pub fn reach_m(&self, from: DVec3) -> f64 {
+        let [low, high] = self.bounds_m();
+        let far = (low - from).abs().max((high - from).abs());
+        far.length() + 1.0
+    }
+
     /// Bytes held by the trees and their copies of the triangles.
     pub fn bytes(&self) -> usize {
         let meshes: usize =
@@ -82,7 +89,7 @@ impl<'s> Tracer<'s> {
     /// lowest (instance, triangle) of them answers.
     pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
         let mut query = Closest { t_max, nearest: t_max, found: None, ties: Vec::new(), own: None, ray: *ray };
-        self.search(ray, 0.0, t_max, &mut query);
+        self.search(ray, t_max, &mut query);
         query.answer(ray)
     }
 
@@ -90,7 +97,7 @@ impl<'s> Tracer<'s> {
     pub fn occluder(&self, from: &Origin, target: DVec3) -> Option<Hit> {
         let (ray, t_max) = segment(from, target);
         let mut query = Closest { t_max, nearest: t_max, found: None, ties: Vec::new(), own: Some(*from), ray };
-        self.search(&ray, 0.0, t_max, &mut query);
+        self.search(&ray, t_max, &mut query);
         query.answer(&ray)
     }
 
@@ -109,20 +116,22 @@ impl<'s> Tracer<'s> {
     pub fn closest_from(&self, from: &Origin, direction: DVec3, t_max: f64) -> Option<Hit> {
         let ray = Ray { origin: from.point(), direction };
         let mut query = Closest { t_max, nearest: t_max, found: None, ties: Vec::new(), own: Some(*from), ray };
-        self.search(&ray, 0.0, t_max, &mut query);
+        self.search(&ray, t_max, &mut query);
         query.answer(&ray)
     }
 
     fn any(&self, from: &Origin, ray: &Ray, t_max: f64) -> bool {
         let mut query = Any { t_max, own: *from, ray: *ray, found: false };
-        self.search(ray, 0.0, t_max, &mut query);
+        self.search(ray, t_max, &mut query);
         query.found
     }
 
-    fn search(&self, ray: &Ray, t_min: f64, t_max: f64, query: &mut impl Query) {
+    fn search(&self, ray: &Ray, t_max: f64, query: &mut impl Query) {
         let sheared = ShearedRay::new(ray);
         let top = &self.instances;
-        walk(top, ray.origin, ray.direction, t_min, t_max, query, &mut |place, query| {
+        // One stack for both levels: the inner walk works above what the outer one left.
+        let mut stack = Vec::with_capacity(128);
+        walk(top, ray.origin, ray.direction, t_max, query, &mut stack, &mut |place, query, stack| {
             let instance = top.order[place];
             let placement = &self.placements[instance as usize];
             let mesh = &self.meshes[placement.mesh as usize];
@@ -132,7 +141,7 @@ impl<'s> Tracer<'s> {
                 let m = &placement.object_from_world;
                 (m.transform_point3(ray.origin), m.transform_vector3(ray.direction))
             };
-            walk(&mesh.tree, origin, direction, t_min, t_max, query, &mut |place, query| {
+            walk(&mesh.tree, origin, direction, t_max, query, stack, &mut |place, query, _| {
                 let triangle = &mesh.triangles[place];
                 let corners = triangle.corners.map(|c| {
                     let p = DVec3::new(f64::from(c[0]), f64::from(c[1]), f64::from(c[2]));
@@ -154,21 +163,22 @@ fn walk<Q: Query>(
     tree: &Bvh8,
     origin: DVec3,
     direction: DVec3,
-    t_min: f64,
     t_max: f64,
     query: &mut Q,
-    leaf: &mut impl FnMut(usize, &mut Q) -> bool,
+    stack: &mut Vec<(u32, f32)>,
+    leaf: &mut impl FnMut(usize, &mut Q, &mut Vec<(u32, f32)>) -> bool,
 ) -> bool {
     let slack = tree.bounds.slack();
     let limit = t_max.min(query.limit());
     if tree.nodes.is_empty() {
         return false;
     }
-    let Some((near, _)) = tree.bounds.clip(origin, direction, t_min, limit, slack) else { return false };
+    let Some((near, _)) = tree.bounds.clip(origin, direction, 0.0, limit, slack) else { return false };
     let ray = SlabRay::new(origin, direction, near, slack);
-    let mut stack = Vec::with_capacity(64);
-    stack.push((0_u32, 0.0_f32));
-    while let Some((index, entry)) = stack.pop() {
+    let bottom = stack.len();
+    stack.push((0, 0.0));
+    while stack.len() > bottom {
+        let Some((index, entry)) = stack.pop() else { break };
         let limit = ray.limit(query.limit());
         if entry > limit {
             continue;
@@ -195,7 +205,8 @@ fn walk<Q: Query>(
             let child = node.children[lane as usize];
             if child.count > 0 && key <= ray.limit(query.limit()) {
                 for place in child.first..child.first + child.count {
-                    if leaf(place as usize, query) {
+                    if leaf(place as usize, query, stack) {
+                        stack.truncate(bottom);
                         return true;
                     }
                 }

@@ -1,8 +1,21 @@
 //! Canyon: an incised plateau of hard and soft beds.
 
+mod dress;
+mod relief;
+mod scatter;
+mod strata;
+mod valley;
+
+use crate::kit::terrain::tin::{Breakline, Grain, Ground, Layout, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
-use satseed_scene::{Scene, SeedPath};
+use dress::slot;
+use glam::{DAffine3, DVec2, DVec3};
+use rayon::prelude::*;
+use relief::{Cover, POST_M, Relief};
+use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath, quantise_m};
 use serde::{Deserialize, Serialize};
+use strata::Strata;
+use valley::{Channels, Fold, Trunk};
 
 /// Raised whenever the same parameters and seed give other bytes.
 pub const VERSION: u32 = 1;
@@ -43,11 +56,134 @@ impl Params {
         [-self.relief_m - 30.0, 60.0]
     }
 
+    /// Rasters, triangulations in work and the finished meshes grow with the square of the radius; the erosion of the
+    /// whole catchment does not. Measured at radii 60 to 900 over five seeds, plus a half.
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
-        4 << 30
+        let side_m = 2.0 * (self.radius_m + 2.0 * TILE_M);
+        (300e6 + side_m * side_m * 600.0) as u64
     }
 }
 
-pub(crate) fn build(_params: &Params, _path: SeedPath) -> Scene {
-    Scene::default()
+/// Side of a terrain tile, m.
+const TILE_M: f64 = 128.0;
+/// How far the coarse ring reaches beyond the radius of full detail, m: the shadow of the whole relief at a sun 15
+/// degrees high.
+const RING_M: f64 = 800.0;
+
+fn layout(radius_m: f64) -> (Layout, f64) {
+    let half = |reach: f64| libm::ceil(reach / TILE_M);
+    let tiles = (2.0 * half(radius_m + RING_M)) as usize;
+    let origin_m = DVec2::splat(-half(radius_m + RING_M) * TILE_M);
+    let grains = (0..tiles * tiles)
+        .map(|t| {
+            let low = origin_m + DVec2::new((t % tiles) as f64, (t / tiles) as f64) * TILE_M;
+            let nearest = DVec2::ZERO.clamp(low, low + TILE_M).length();
+            if nearest <= radius_m {
+                Grain { post_m: POST_M, max_error_m: 0.05 }
+            } else {
+                Grain { post_m: 4.0, max_error_m: if nearest < radius_m + 200.0 { 0.5 } else { 1.5 } }
+            }
+        })
+        .collect();
+    (Layout { origin_m, tile_m: TILE_M, columns: tiles, rows: tiles, grains }, half(radius_m) * TILE_M)
+}
+
+pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
+    let strata = Strata::new(params.relief_m, &path.child("strata"));
+    let fold = Fold::new(&path.child("fold"));
+    let trunk = Trunk::new(params.relief_m, &path.child("trunk"));
+    let channels = Channels::new(&strata, &fold, &trunk, &path.child("erosion"));
+    let (layout, window_half_m) = layout(params.radius_m);
+    let scene_half_m = -layout.origin_m.x;
+    let halves = (window_half_m, scene_half_m);
+    let relief = Relief::new(&strata, &fold, &trunk, &channels, halves, params.roughness, &path.child("relief"));
+    let banks = relief.banks(window_half_m + relief::MARGIN_M);
+    let river = River::new(&banks);
+    let tiles = triangulate(&layout, &relief, &banks.map(|points_m| Breakline { points_m }));
+    let materials = dress::materials(&strata, trunk.is_dry, params.texture_contrast, &path.child("materials"));
+    let mut scene = Scene {
+        material_sets: vec![(0..materials.len() as u32).collect()],
+        materials,
+        rasters: dress::rasters(&fold, &relief, scene_half_m, &path.child("cover")),
+        objects: vec![Object { path: "terrain".to_owned(), class: Class::Ground }],
+        pivot_height_m: relief.height_m(DVec2::ZERO),
+        full_detail_radius_m: params.radius_m,
+        ..Scene::default()
+    };
+    let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(tile, &relief, &river, trunk.is_dry)).collect();
+    for mesh in meshes {
+        scene.instances.push(Instance {
+            mesh: scene.meshes.len() as u32,
+            world_from_object: DAffine3::IDENTITY,
+            object: 0,
+            material_set: 0,
+            variation: [0.0; 4],
+        });
+        scene.meshes.push(mesh);
+    }
+    let reach_m = window_half_m.min(params.radius_m + 60.0);
+    scatter::scatter(&mut scene, &relief, reach_m, strata.cliff_colors(), &path.child("scatter"));
+    scene
+}
+
+/// A tile with normals of the source raster and the material slot of each triangle.
+fn dressed(tile: TileMesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> Mesh {
+    let normals = tile
+        .positions_m
+        .iter()
+        .map(|p| {
+            let slope = relief.slope(DVec2::new(p[0].into(), p[1].into()));
+            DVec3::new(-slope.x, -slope.y, 1.0).normalize().as_vec3().to_array()
+        })
+        .collect();
+    let slots = tile
+        .triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| DVec3::from_array(tile.positions_m[v as usize].map(f64::from)));
+            let middle = ((a + b + c) / 3.0).truncate();
+            let upward = (b - a).cross(c - a).normalize().z;
+            let Cover { bank_m, scree_m, .. } = relief.cover(middle);
+            if bank_m < 4.0 && river.contains(middle) {
+                return if is_dry { slot::SAND } else { slot::WATER };
+            }
+            if upward > 0.9 && bank_m < 22.0 {
+                slot::SAND
+            } else if upward > 0.7 && (scree_m > 0.3 || bank_m < 45.0) || (0.74..0.9).contains(&upward) {
+                slot::GROUND
+            } else {
+                slot::ROCK
+            }
+        })
+        .collect();
+    Mesh { positions_m: tile.positions_m, triangles: tile.triangles, slots, normals, uvs_m: Vec::new() }
+}
+
+/// The river's area between its banks, for asking whether a place lies in it.
+struct River {
+    /// Quads between neighbouring points of both banks, with their boxes.
+    quads: Vec<[DVec2; 4]>,
+}
+
+impl River {
+    fn new(banks: &[Vec<DVec3>; 2]) -> Self {
+        // The vertices that the triangulation uses stand on the lattice.
+        let flat = |p: DVec3| DVec2::new(quantise_m(p.x).into(), quantise_m(p.y).into());
+        let quads = banks[0]
+            .windows(2)
+            .zip(banks[1].windows(2))
+            .map(|(l, r)| [flat(r[0]), flat(r[1]), flat(l[1]), flat(l[0])])
+            .collect();
+        Self { quads }
+    }
+
+    fn contains(&self, p: DVec2) -> bool {
+        self.quads.iter().any(|q| {
+            let low = q[0].min(q[1]).min(q[2]).min(q[3]);
+            let high = q[0].max(q[1]).max(q[2]).max(q[3]);
+            p.cmpge(low).all()
+                && p.cmple(high).all()
+                && (0..4).all(|k| (q[(k + 1) % 4] - q[k]).perp_dot(p - q[k]) >= 0.0)
+        })
+    }
 }

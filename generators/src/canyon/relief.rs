@@ -1,0 +1,446 @@
+//! The height field: walls that climb from channels through the beds, gullies, scree, the valley's floor.
+//!
+//! A wall's plan is made in the space of distances (how far rock has been worn back from a channel) and turned into
+//! heights last, through the strata's profile. So every cliff stands at its bed's slope, beds run unbroken around each
+//! bend, and a gully notches the cliffs that it crosses.
+
+use super::strata::{Habit, RIM_M, Strata};
+use super::valley::{Channels, Fold, Trunk};
+use crate::kit::terrain::erosion::{diffuse, settle, stream_power};
+use crate::kit::terrain::flow::{fill, fill_and_drain};
+use crate::kit::terrain::front::{Apex, cones, rise};
+use crate::kit::terrain::noise::{blocks, fractal, ridged};
+use crate::kit::terrain::sampling::{bicubic, gradient, smoothstep};
+use crate::kit::terrain::tin::Ground;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use satseed_scene::{Raster, SeedPath, hash_cell, unit_from_hash};
+
+/// Distance of the window's posts, m.
+pub(super) const POST_M: f64 = 0.5;
+/// Distance of the posts on which walls are worn, m.
+const WORN_M: f64 = 2.0;
+/// Distance of the posts of the whole scene's plan, m.
+const FAR_M: f64 = 4.0;
+/// Posts beyond the full-detail tiles, m.
+pub(super) const MARGIN_M: f64 = 64.0;
+
+/// Seeds of the noises.
+struct Seeds {
+    plan: u32,
+    joints: u32,
+    ground: u32,
+    scree: u32,
+    floor: u32,
+}
+
+/// The finished ground.
+pub(super) struct Relief<'a> {
+    strata: &'a Strata,
+    fold: &'a Fold,
+    trunk: &'a Trunk,
+    channels: &'a Channels,
+    seeds: Seeds,
+    roughness: f64,
+    /// For the whole scene, which channel each post's wall climbs from.
+    far_source: Raster<u32>,
+    /// The unsmoothed height field of the full-detail part, `POST_M` apart.
+    pub(super) window: Raster<f32>,
+    /// Rasters of the full-detail part, `WORN_M` apart.
+    pub(super) worn: Worn,
+}
+
+/// What the making of the window leaves behind for materials and plants.
+pub(super) struct Worn {
+    /// Distance in the strata's profile.
+    distance_m: Raster<f32>,
+    /// How far above its channel, in the same measure.
+    climb_m: Raster<f32>,
+    /// Thickness of scree, m.
+    pub(super) scree_m: Raster<f32>,
+    /// Area that drains through each post, m2.
+    pub(super) area_m2: Raster<f32>,
+    /// Distance from the river's centre line, signed, m; beyond 120 m that.
+    pub(super) river_offset_m: Raster<f32>,
+    /// Distance beyond the river's bank, m; negative in the river.
+    pub(super) bank_m: Raster<f32>,
+    /// The river's level, m.
+    level_m: Raster<f32>,
+}
+
+/// What covers a place of the full-detail part.
+pub(super) struct Cover {
+    /// Distance beyond the river's bank, m; negative in the river.
+    pub(super) bank_m: f64,
+    /// Thickness of scree, m.
+    pub(super) scree_m: f64,
+    /// Area that drains through it, m2.
+    pub(super) area_m2: f64,
+    /// How far from its channel the wall has climbed, m on the plane.
+    pub(super) climb_m: f64,
+}
+
+/// The largest distance from the river that is kept, m.
+const RIVER_REACH_M: f64 = 120.0;
+
+impl<'a> Relief<'a> {
+    /// `window_half_m` is half the side of the full-detail tiles, `scene_half_m` that of all tiles.
+    pub(super) fn new(
+        strata: &'a Strata,
+        fold: &'a Fold,
+        trunk: &'a Trunk,
+        channels: &'a Channels,
+        (window_half_m, scene_half_m): (f64, f64),
+        roughness: f64,
+        path: &SeedPath,
+    ) -> Self {
+        let seed = |name: &str| path.child(name).hash_u32();
+        let seeds = Seeds {
+            plan: seed("plan"),
+            joints: seed("joints"),
+            ground: seed("ground"),
+            scree: seed("scree"),
+            floor: seed("floor"),
+        };
+        let far_shape = square(scene_half_m + 2.0 * FAR_M, FAR_M);
+        let far_source = rise(&far_shape, &channels.sources, 4000.0).1;
+        let worn = Worn::empty(&square(window_half_m + MARGIN_M, WORN_M));
+        let window = square(window_half_m + MARGIN_M, POST_M);
+        let mut relief = Self { strata, fold, trunk, channels, seeds, roughness, far_source, window, worn };
+        relief.wear();
+        relief.follow_river();
+        relief.drop_scree();
+        relief.raise();
+        relief
+    }
+
+    /// Distance in the profile and climb above the channel at a place, without gullies.
+    fn plan(&self, p: DVec2) -> (f64, f64) {
+        let g = self.far_source.grid_from_world(p).floor();
+        let (i, j) = (g.x as i64, g.y as i64);
+        let mut best = (f64::MAX, 0.0);
+        let mut last = u32::MAX;
+        for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let s = self.far_source.get_clamped(i + di, j + dj);
+            if s == last || s == u32::MAX {
+                continue;
+            }
+            last = s;
+            let source = &self.channels.sources[s as usize];
+            let (d, t) = source.reach(p);
+            if d < best.0 {
+                best = (d, d - source.values_m[0] - (source.values_m[1] - source.values_m[0]) * t);
+            }
+        }
+        let (d, climb) = best;
+        // Walls are not parallel to their channels: rock is uneven at every scale.
+        let uneven =
+            fractal(p, self.seeds.plan, 110.0, 5, 0.55) * 16.0 + ridged(p, self.seeds.plan ^ 0x3c, 46.0, 2, 0.5) * 2.5;
+        let keep = smoothstep(0.0, 30.0, climb);
+        ((d + uneven * keep).max(d - climb), climb)
+    }
+
+    /// Walls of the window, worn by the small streams that run down them.
+    fn wear(&mut self) {
+        let shape = &self.worn.distance_m;
+        let (width, height) = (shape.width, shape.height);
+        let plan: Vec<(f64, f64)> =
+            (0..width * height).into_par_iter().map(|p| self.plan(shape.position(p % width, p / width))).collect();
+        let mut d = shape.clone();
+        for (p, v) in plan.iter().enumerate() {
+            d.data[p] = v.0 as f32;
+            self.worn.climb_m.data[p] = v.1 as f32;
+        }
+        let smooth = d.clone();
+        let outlet = |p: usize| plan[p].1 < 0.5 * WORN_M || on_border(p, width, height);
+        let ease = |habit: Habit| match habit {
+            Habit::Cliff => 0.7_f32,
+            Habit::Slope => 1.3,
+            Habit::Bench => 1.0,
+            Habit::Plateau => 0.25,
+        };
+        let ease: Vec<f32> = self.strata.beds.iter().map(|b| ease(b.habit)).collect();
+        let steps = 10;
+        let total = 0.42_f32;
+        let mut area = vec![0.0; width * height];
+        for _ in 0..steps {
+            let drainage = fill_and_drain(&mut d, self.seeds.plan, outlet);
+            area = drainage.area_m2(WORN_M);
+            stream_power(&mut d, &drainage, &area, |_, v| {
+                total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
+            });
+            diffuse(&mut d, 0.12, outlet);
+        }
+        // Towards the window's border the worn plan goes over into the plain one that the rest of the scene has.
+        for p in 0..width * height {
+            let (i, j) = (p % width, p / width);
+            let inward = i.min(j).min(width - 1 - i).min(height - 1 - j) as f64 * WORN_M;
+            let w = smoothstep(4.0, 50.0, inward) as f32;
+            d.data[p] = smooth.data[p] + (d.data[p] - smooth.data[p]) * w;
+        }
+        self.worn.distance_m = d;
+        self.worn.area_m2.data = area;
+    }
+
+    /// Where the river runs, relative to each post near it.
+    fn follow_river(&mut self) {
+        let Worn { river_offset_m: offset, bank_m: bank, level_m: level, .. } = &mut self.worn;
+        let half = -offset.origin_m.x + RIVER_REACH_M;
+        let range = self.trunk.range(half);
+        for k in range {
+            let (a, b) = (self.trunk.thread_m[k], self.trunk.thread_m[k + 1]);
+            let low = offset.grid_from_world(a.min(b) - RIVER_REACH_M).ceil().max(DVec2::ZERO);
+            let high = offset.grid_from_world(a.max(b) + RIVER_REACH_M).floor();
+            for j in low.y as usize..=high.y.clamp(-1.0, offset.height as f64 - 1.0) as usize {
+                for i in low.x as usize..=high.x.clamp(-1.0, offset.width as f64 - 1.0) as usize {
+                    if high.x < 0.0 || high.y < 0.0 {
+                        continue;
+                    }
+                    let p = offset.position(i, j);
+                    let along = b - a;
+                    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+                    let away = p - a - along * t;
+                    let side = if along.perp_dot(away) < 0.0 { -1.0 } else { 1.0 };
+                    let d = away.length();
+                    let post = j * offset.width + i;
+                    if d < f64::from(offset.data[post].abs()) {
+                        let lerp = |v: &[f64]| v[k] + (v[k + 1] - v[k]) * t;
+                        let half = &self.trunk.river_half_m[usize::from(side < 0.0)];
+                        offset.data[post] = (d * side) as f32;
+                        bank.data[post] = (d - lerp(half)) as f32;
+                        level.data[post] = lerp(&self.trunk.level_m) as f32;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Cones of scree below the cliffs, highest below chutes.
+    fn drop_scree(&mut self) {
+        let d = &self.worn.distance_m;
+        let (width, height) = (d.width, d.height);
+        let mut rock = d.clone();
+        rock.data = (0..width * height)
+            .into_par_iter()
+            .map(|p| {
+                let at = d.position(p % width, p / width);
+                (self.strata.height_at(f64::from(d.data[p])) + self.fold.at(at)) as f32
+            })
+            .collect();
+        let mut apexes = Vec::new();
+        for p in 0..width * height {
+            let (i, j) = (p % width, p / width);
+            let draw = |k: i32| f64::from(unit_from_hash(hash_cell(i as i32, j as i32, k, self.seeds.scree)));
+            let at = d.position(i, j);
+            let inward = i.min(j).min(width - 1 - i).min(height - 1 - j) as f64 * WORN_M;
+            let height = self.strata.height_at(f64::from(d.data[p]));
+            let bed = self.strata.bed_at(height);
+            if self.strata.beds[bed].habit != Habit::Cliff || draw(0) > 0.3 || inward < 30.0 {
+                continue;
+            }
+            let base = self.strata.base_m(bed);
+            let above = (height - base) / (self.strata.beds[bed].top_m - base);
+            let chute = libm::log10(f64::from(self.worn.area_m2.data[p]) / 8.0).clamp(0.0, 2.0) * 0.22;
+            let supply = 0.12 + 0.9 * fractal(at, self.seeds.scree, 70.0, 3, 0.5) + chute;
+            if above < supply {
+                apexes.push(Apex {
+                    at_m: at,
+                    height_m: f64::from(rock.data[p]) + 0.3,
+                    tangent: 0.66 + 0.1 * draw(1),
+                    max_cover_m: 2.0 + 3.5 * draw(2),
+                });
+            }
+        }
+        let mut scree = cones(&rock, &apexes);
+        settle(&rock, &mut scree, 0.74, 8);
+        self.worn.scree_m = scree;
+    }
+
+    /// The full-detail heights, then a way down for every post.
+    fn raise(&mut self) {
+        let shape = &self.window;
+        let width = shape.width;
+        let rows: Vec<Vec<f32>> = (0..shape.height)
+            .into_par_iter()
+            .map(|j| (0..width).map(|i| self.detailed(shape.position(i, j)) as f32).collect())
+            .collect();
+        let mut z = shape.clone();
+        z.data = rows.concat();
+        let height = z.height;
+        fill(&mut z, |p| on_border(p, width, height));
+        self.window = z;
+    }
+
+    /// Bare rock at a distance in the profile: cliffs with joints, slopes with rills, domes on the plateau.
+    fn rock(&self, p: DVec2, distance_m: f64, climb_m: f64) -> f64 {
+        let seeds = &self.seeds;
+        let rough = self.roughness;
+        let bed = self.strata.bed_at(self.strata.height_at(distance_m));
+        let habit = self.strata.beds[bed].habit;
+        let keep = smoothstep(0.0, 6.0, climb_m);
+        // Each bed's face has a line of its own, cut by its joints.
+        let salt = (bed as u32).wrapping_mul(0x9e37);
+        let face = match habit {
+            Habit::Cliff => {
+                let cell = 3.5 + f64::from(unit_from_hash(hash_cell(bed as i32, 3, 0, seeds.joints))) * 6.0;
+                let (block, _) = blocks(p, seeds.joints ^ salt, cell);
+                0.75 * block + fractal(p, seeds.joints ^ salt ^ 0x55, 18.0, 4, 0.5) * 2.4
+            }
+            Habit::Slope | Habit::Bench => fractal(p, seeds.joints ^ 0x99, 15.0, 4, 0.5) * 1.4,
+            Habit::Plateau => 0.0,
+        };
+        let h = self.strata.height_at(distance_m + face * rough * keep);
+        let detail = match habit {
+            Habit::Cliff => fractal(p, seeds.ground, 3.0, 3, 0.6) * 0.25,
+            Habit::Slope | Habit::Bench => fractal(p, seeds.ground, 9.0, 5, 0.55) * 0.35,
+            Habit::Plateau => {
+                let swell = fractal(p, seeds.ground ^ 7, 46.0, 5, 0.5) * 2.6 * smoothstep(RIM_M, RIM_M + 4.0, h);
+                // Courses of the cap weather into steps of half a metre or so.
+                let step = 0.7;
+                let courses =
+                    libm::floor(swell / step) + smoothstep(0.72, 1.0, swell / step - libm::floor(swell / step));
+                0.45 * swell + 0.55 * courses * step + fractal(p, seeds.ground, 5.0, 4, 0.55) * 0.16
+            }
+        };
+        h + self.fold.at(p) + detail * rough * keep
+    }
+
+    fn detailed(&self, p: DVec2) -> f64 {
+        let worn = &self.worn;
+        let d = bicubic(&worn.distance_m, p);
+        let climb = worn.climb_m.bilinear(p);
+        let rough = self.roughness;
+        let mut z = self.rock(p, d, climb);
+        let scree = worn.scree_m.bilinear(p);
+        if scree > 0.02 {
+            // Scree lies on the smooth rock, not on its joints.
+            let base = self.strata.height_at(d) + self.fold.at(p);
+            let rubble = fractal(p, self.seeds.ground ^ 0x1234, 4.0, 4, 0.65) * 0.22 * rough;
+            z = z.max(base + scree + rubble * smoothstep(0.0, 0.5, scree));
+        }
+        self.with_floor(p, z)
+    }
+
+    /// Alluvium of the main valley: river or wash, bars, terraces.
+    fn with_floor(&self, p: DVec2, z: f64) -> f64 {
+        let worn = &self.worn;
+        let bank = bicubic(&worn.bank_m, p);
+        if bank > 70.0 {
+            return z;
+        }
+        let level = worn.level_m.bilinear(p);
+        let seed = self.seeds.floor;
+        let n = |salt: u32, wavelength: f64| fractal(p, seed ^ salt, wavelength, 3, 0.5);
+        let rough = self.roughness;
+        if bank < 0.0 {
+            if self.trunk.is_dry {
+                let braids = ridged(p, seed ^ 5, 9.0, 2, 0.5) * 0.12 + n(6, 2.0) * 0.05 * rough;
+                return level - 0.5 * (1.0 - smoothstep(-4.0, 0.0, bank)) + braids * smoothstep(0.0, -1.0, bank);
+            }
+            return level;
+        }
+        let bar = 0.9 * smoothstep(0.0, 8.0, bank + 9.0 * n(1, 26.0));
+        let low_terrace = 0.7 * smoothstep(10.0, 15.0, bank + 26.0 * n(2, 52.0));
+        let high_terrace = 1.2 * smoothstep(20.0, 29.0, bank + 34.0 * n(3, 90.0));
+        let ground = (n(4, 6.0) * 0.16 + n(7, 1.6) * 0.07) * rough * smoothstep(0.0, 1.5, bank);
+        let floor = level
+            + 0.12 * smoothstep(0.0, 0.6, bank)
+            + bar * smoothstep(0.0, 2.0, bank)
+            + low_terrace
+            + high_terrace
+            + 0.03 * bank
+            + ground;
+        // Alluvium laps onto the walls' feet, and ends there.
+        z.max(floor - 8.0 * smoothstep(45.0, 70.0, bank))
+    }
+
+    /// The banks of the river, or of the dry wash, as lines from upstream down, left and right.
+    pub(super) fn banks(&self, half_m: f64) -> [Vec<DVec3>; 2] {
+        let trunk = self.trunk;
+        [(0, 1.0), (1, -1.0)].map(|(bank, side)| {
+            trunk
+                .range(half_m)
+                .map(|k| {
+                    let last = trunk.thread_m.len() - 1;
+                    let along = trunk.thread_m[(k + 1).min(last)] - trunk.thread_m[k.saturating_sub(1)];
+                    let p = trunk.thread_m[k] + along.normalize().perp() * (side * trunk.river_half_m[bank][k]);
+                    p.extend(trunk.level_m[k])
+                })
+                .collect()
+        })
+    }
+
+    /// Where the ground is hollow (positive) or a rib (negative), about -0.5..0.5: the mean height over a few metres
+    /// against that close by.
+    pub(super) fn hollow(&self, p: DVec2) -> f64 {
+        let g = (self.window.grid_from_world(p) + 0.5).floor();
+        let (i, j) = (g.x as i64, g.y as i64);
+        let ring = |r: i64| {
+            let d = (r * 7 + 5) / 10;
+            let around = [(r, 0), (d, d), (0, r), (-d, d), (-r, 0), (-d, -d), (0, -r), (d, -d)];
+            around.iter().map(|(di, dj)| self.window.get_clamped(i + di, j + dj)).sum::<f32>() / 8.0
+        };
+        (0.25 * f64::from((ring(10) + ring(6)) * 0.5 - (ring(2) + self.window.get_clamped(i, j)) * 0.5))
+            .clamp(-0.6, 0.6)
+    }
+
+    /// What covers a place.
+    pub(super) fn cover(&self, p: DVec2) -> Cover {
+        let worn = &self.worn;
+        Cover {
+            bank_m: worn.bank_m.bilinear(p),
+            scree_m: worn.scree_m.bilinear(p),
+            area_m2: worn.area_m2.bilinear(p),
+            climb_m: worn.climb_m.bilinear(p),
+        }
+    }
+
+    /// Upward normal of the window at a place; straight up outside it.
+    pub(super) fn slope(&self, p: DVec2) -> DVec2 {
+        let g = (self.window.grid_from_world(p) + 0.5).floor();
+        let inside = g.x >= 0.0 && g.y >= 0.0 && g.x < self.window.width as f64 && g.y < self.window.height as f64;
+        if inside {
+            return gradient(&self.window, g.x as usize, g.y as usize);
+        }
+        let e = FAR_M;
+        let z = |dx: f64, dy: f64| self.height_m(p + DVec2::new(dx, dy));
+        DVec2::new(z(e, 0.0) - z(-e, 0.0), z(0.0, e) - z(0.0, -e)) / (2.0 * e)
+    }
+}
+
+impl Ground for Relief<'_> {
+    fn height_m(&self, p: DVec2) -> f64 {
+        let g = self.window.grid_from_world(p);
+        let last = (self.window.width - 1) as f64;
+        if g.x >= 0.0 && g.y >= 0.0 && g.x <= last && g.y <= last {
+            return self.window.bilinear(p);
+        }
+        let (d, climb) = self.plan(p);
+        self.rock(p, d, climb)
+    }
+}
+
+impl Worn {
+    fn empty(shape: &Raster<f32>) -> Self {
+        let of = |value: f32| Raster { data: vec![value; shape.data.len()], ..shape.clone() };
+        Self {
+            distance_m: of(0.0),
+            climb_m: of(0.0),
+            scree_m: of(0.0),
+            area_m2: of(0.0),
+            river_offset_m: of(RIVER_REACH_M as f32),
+            bank_m: of(RIVER_REACH_M as f32),
+            level_m: of(0.0),
+        }
+    }
+}
+
+fn on_border(post: usize, width: usize, height: usize) -> bool {
+    let (i, j) = (post % width, post / width);
+    i == 0 || j == 0 || i == width - 1 || j == height - 1
+}
+
+fn square(half_m: f64, cell_m: f64) -> Raster<f32> {
+    let n = libm::round(2.0 * half_m / cell_m) as usize + 1;
+    Raster::filled(DVec2::splat(-half_m), cell_m, n, n, 0.0)
+}

@@ -1,0 +1,228 @@
+//! What lies and grows on the ground: fallen blocks, shrubs.
+
+use super::relief::Relief;
+use crate::kit::rock::block;
+use crate::kit::shrub::shrub;
+use crate::kit::terrain::noise::fractal;
+use crate::kit::terrain::sampling::smoothstep;
+use crate::kit::terrain::tin::Ground;
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use rayon::prelude::*;
+use satseed_scene::{
+    Bands, Brdf, Class, Field, Instance, Layer, Material, Mesh, Object, Scene, SeedPath, hash_cell, unit_from_hash,
+};
+
+/// Different meshes of blocks and of shrubs.
+const VARIANTS: usize = 14;
+/// Side of the cells in which at most one thing of each kind is placed, m.
+const SHRUB_CELL_M: f64 = 2.0;
+const BLOCK_CELL_M: f64 = 3.0;
+
+/// A kind of thing: where it may stand, and what stands there.
+struct Placed {
+    at_m: DVec3,
+    world_from_object: DAffine3,
+    variation: [f32; 4],
+    mesh: u32,
+    path: String,
+}
+
+/// Adds shrubs and blocks within `reach_m` of the pivot.
+pub(super) fn scatter(scene: &mut Scene, relief: &Relief<'_>, reach_m: f64, rock_colors: Vec<Bands>, path: &SeedPath) {
+    let blocks = path.child("block");
+    let meshes = (0..VARIANTS).map(|k| block(&blocks.child("mesh").index(k as u64))).collect();
+    let materials = vec![block_material(rock_colors, &blocks)];
+    let things = place(reach_m, BLOCK_CELL_M, |cell, p| block_at(relief, &blocks, cell, p));
+    add(scene, meshes, materials, Class::Rock, things);
+
+    let shrubs = path.child("shrub");
+    let meshes = (0..VARIANTS).map(|k| shrub(&shrubs.child("mesh").index(k as u64))).collect();
+    let things = place(reach_m, SHRUB_CELL_M, |cell, p| shrub_at(relief, &shrubs, cell, p));
+    add(scene, meshes, shrub_materials(&shrubs), Class::LowVegetation, things);
+}
+
+fn add(scene: &mut Scene, meshes: Vec<Mesh>, materials: Vec<Material>, class: Class, things: Vec<Placed>) {
+    let first_mesh = scene.meshes.len() as u32;
+    let first_material = scene.materials.len() as u32;
+    let material_set = scene.material_sets.len() as u32;
+    scene.material_sets.push((0..materials.len() as u32).map(|k| first_material + k).collect());
+    scene.materials.extend(materials);
+    scene.meshes.extend(meshes);
+    for thing in things {
+        scene.instances.push(Instance {
+            mesh: first_mesh + thing.mesh,
+            world_from_object: thing.world_from_object,
+            object: scene.objects.len() as u32,
+            material_set,
+            variation: thing.variation,
+        });
+        scene.objects.push(Object { path: thing.path, class });
+    }
+}
+
+/// Asks every cell of a square grid within reach, rows in parallel, for what stands at a random place in it.
+fn place<F>(reach_m: f64, cell_m: f64, at: F) -> Vec<Placed>
+where
+    F: Fn((i32, i32), &dyn Fn(f64, f64) -> DVec2) -> Option<Placed> + Sync,
+{
+    let half = libm::ceil(reach_m / cell_m) as i32;
+    (-half..half)
+        .into_par_iter()
+        .flat_map_iter(|j| {
+            let at = &at;
+            (-half..half).filter_map(move |i| {
+                let point = |u: f64, v: f64| DVec2::new(f64::from(i) + u, f64::from(j) + v) * cell_m;
+                at((i, j), &point).filter(|t| t.at_m.truncate().length() <= reach_m)
+            })
+        })
+        .collect()
+}
+
+/// The key of a cell's own randomness.
+fn key(path: &SeedPath, cell: (i32, i32)) -> SeedPath {
+    path.index((u64::from(cell.0 as u32) << 32) | u64::from(cell.1 as u32))
+}
+
+/// A first draw that spares the full stream where nothing can stand.
+fn draw(path_seed: u32, cell: (i32, i32)) -> f64 {
+    f64::from(unit_from_hash(hash_cell(cell.0, cell.1, 0, path_seed)))
+}
+
+/// The lowest ground under a thing of a radius, m.
+fn lowest(relief: &Relief<'_>, p: DVec2, radius_m: f64) -> f64 {
+    let d = radius_m * core::f64::consts::FRAC_1_SQRT_2;
+    let around =
+        [(radius_m, 0.0), (-radius_m, 0.0), (0.0, radius_m), (0.0, -radius_m), (d, d), (-d, d), (d, -d), (-d, -d)];
+    around.iter().map(|(x, y)| relief.height_m(p + DVec2::new(*x, *y))).fold(relief.height_m(p), f64::min)
+}
+
+/// Blocks lie on scree, fewer on the floor at the walls' feet, and on ledges. Sizes follow a power law.
+fn block_at(
+    relief: &Relief<'_>,
+    path: &SeedPath,
+    cell: (i32, i32),
+    point: &dyn Fn(f64, f64) -> DVec2,
+) -> Option<Placed> {
+    let p = point(0.5, 0.5);
+    let cover = relief.cover(p);
+    if cover.bank_m < -1.0 {
+        return None;
+    }
+    let scree = smoothstep(0.15, 1.6, cover.scree_m);
+    let clumps = smoothstep(-0.1, 0.35, fractal(p, path.hash_u32(), 24.0, 3, 0.5));
+    let share = 0.006
+        + 0.30 * scree * (0.25 + 0.75 * clumps)
+        + 0.12 * clumps * smoothstep(4.0, 9.0, cover.climb_m) * smoothstep(60.0, 20.0, cover.climb_m);
+    if draw(path.hash_u32(), cell) > share {
+        return None;
+    }
+    let mut rng = key(path, cell).rng();
+    let p = point(rng.unit(), rng.unit());
+    // Pareto: number above a size falls with the power -1.8, density with -2.8.
+    let size = (0.5 * libm::pow(1.0 - rng.unit(), -1.0 / 1.8)).min(4.0);
+    let slope = relief.slope(p);
+    if slope.length() > 1.3 {
+        return None;
+    }
+    let normal = DVec3::new(-slope.x, -slope.y, 1.0).normalize();
+    let tilt =
+        DQuat::from_rotation_arc(DVec3::Z, (normal + DVec3::new(rng.signed(), rng.signed(), 0.0) * 0.35).normalize());
+    let turn = DQuat::from_rotation_z(rng.range(0.0, core::f64::consts::TAU));
+    let scale = DVec3::new(1.0, rng.range(0.75, 1.1), rng.range(0.8, 1.3)) * size;
+    // Its lowest points reach below the lowest ground around it.
+    let base = lowest(relief, p, 0.5 * size);
+    let z = (base + 0.12 * size).min(relief.height_m(p) + 0.2 * size);
+    let at_m = p.extend(z);
+    Some(Placed {
+        at_m,
+        world_from_object: DAffine3::from_scale_rotation_translation(scale, tilt * turn, at_m),
+        variation: [rng.signed() as f32, rng.signed() as f32, rng.signed() as f32, rng.signed() as f32],
+        mesh: rng.below(VARIANTS as u64) as u32,
+        path: format!("block/{}_{}", cell.0, cell.1),
+    })
+}
+
+/// Shrubs stand along the wash, on shaded slopes, and in the plateau's soil.
+fn shrub_at(
+    relief: &Relief<'_>,
+    path: &SeedPath,
+    cell: (i32, i32),
+    point: &dyn Fn(f64, f64) -> DVec2,
+) -> Option<Placed> {
+    let seed = path.hash_u32();
+    let first = draw(seed, cell);
+    if first > 0.5 {
+        return None;
+    }
+    let p = point(0.5, 0.5);
+    let cover = relief.cover(p);
+    if cover.bank_m < 0.8 {
+        return None;
+    }
+    let slope = relief.slope(p);
+    let steep = slope.length();
+    let level = smoothstep(1.1, 0.5, steep);
+    let northward = smoothstep(-0.1, 0.5, -slope.y);
+    let wash = smoothstep(40.0, 3.0, cover.bank_m).max(0.8 * smoothstep(500.0, 5000.0, cover.area_m2));
+    let grove = fractal(p, seed, 38.0, 4, 0.55);
+    let open = 0.075 + 0.07 * northward + 0.34 * wash;
+    let share = level * open * smoothstep(-0.35, 0.45, grove) * 2.0;
+    if first > share {
+        return None;
+    }
+    let mut rng = key(path, cell).rng();
+    let p = point(rng.unit(), rng.unit());
+    let wet = wash > 0.5;
+    let height = rng.lognormal(if wet { 1.15 } else { 0.75 }, 0.35).clamp(0.45, 2.2);
+    let width = height * rng.range(0.9, 1.45);
+    let base = lowest(relief, p, 0.2 * width) - 0.03;
+    let at_m = p.extend(base);
+    let lean = DVec3::new(rng.signed(), rng.signed(), 0.0) * 0.12;
+    let turn = DMat3::from_rotation_z(rng.range(0.0, core::f64::consts::TAU));
+    let tilt = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, (DVec3::Z + lean).normalize()));
+    let shape = DMat3::from_diagonal(DVec3::new(width, width * rng.range(0.8, 1.0), height));
+    Some(Placed {
+        at_m,
+        world_from_object: DAffine3::from_mat3_translation(tilt * turn * shape, at_m),
+        variation: [rng.signed() as f32, rng.signed() as f32, if wet { 0.6 } else { -0.4 }, rng.signed() as f32],
+        mesh: rng.below(VARIANTS as u64) as u32,
+        path: format!("shrub/{}_{}", cell.0, cell.1),
+    })
+}
+
+fn block_material(colors: Vec<Bands>, path: &SeedPath) -> Material {
+    let seed = path.child("material").hash_u32();
+    Material::diffuse("fallen block", Class::Rock, Bands::grey(0.2))
+        .rough(0.4)
+        .with(Layer::Choice { colors, variation: 0 })
+        .with(Layer::Brightness { amount: Field::Variation(1).times(0.16) })
+        .with(Layer::Mix {
+            color: Bands::new(0.075, 0.085, 0.105, 0.16),
+            amount: Field::Sum(vec![Field::Variation(2).times(0.35), Field::world_noise(seed, 1.3, 3)])
+                .ramp(0.05, 0.5)
+                .times(0.5),
+        })
+        .with(Layer::Brightness { amount: Field::world_noise(seed ^ 1, 0.4, 2).times(0.16) })
+}
+
+fn shrub_materials(path: &SeedPath) -> Vec<Material> {
+    let seed = path.child("material").hash_u32();
+    let leaf = Material {
+        brdf: Brdf::Leaf { transmission: Bands::new(0.015, 0.04, 0.02, 0.16) },
+        ..Material::diffuse("shrub leaves", Class::LowVegetation, Bands::new(0.052, 0.082, 0.066, 0.25))
+            // Sage is greyer, what stands at water greener.
+            .with(Layer::Mix {
+                color: Bands::new(0.095, 0.12, 0.115, 0.26),
+                amount: Field::Sum(vec![Field::Variation(2).times(-0.5), Field::Variation(0).times(0.5)])
+                    .ramp(-0.2, 0.6),
+            })
+            .with(Layer::Mix {
+                color: Bands::new(0.10, 0.13, 0.16, 0.24),
+                amount: Field::Variation(3).ramp(0.72, 0.95).times(0.8),
+            })
+            .with(Layer::Brightness { amount: Field::Variation(1).times(0.22) })
+            .with(Layer::Brightness { amount: Field::world_noise(seed, 0.3, 2).times(0.2) })
+    };
+    let stem = Material::diffuse("shrub stems", Class::LowVegetation, Bands::new(0.08, 0.09, 0.11, 0.18));
+    vec![leaf, stem]
+}

@@ -1,0 +1,273 @@
+//! What the command line takes. Doc comments are what `--help` prints, so names stand in them without backticks.
+
+#![allow(clippy::doc_markdown)]
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use satseed::plan::Shard;
+use satseed::recipe::{Changes, Recipe, RecipeError};
+use std::path::PathBuf;
+
+/// Synthetic satellite-stereo datasets from seeds, with exact labels.
+///
+/// A recipe and a seed go in; stereo pairs with exact labels come out, the same bytes on every machine.
+#[derive(Debug, Parser)]
+#[command(name = "satseed", version, propagate_version = true, subcommand_required = true)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) logging: LoggingArgs,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// List the recipes that come with the program, or show one
+    Presets(PresetsArgs),
+    /// Print the scenes and pairs of a recipe without making them
+    Plan(PlanArgs),
+    /// Make a dataset; the same command again resumes it
+    Generate(GenerateArgs),
+    /// Make one picture of a scene
+    Preview(PreviewArgs),
+    /// Check a dataset's files against their hashes
+    Verify(VerifyArgs),
+    /// Tell what a dataset holds
+    Info(InfoArgs),
+    /// Tell what one pixel saw: hit, object, projection, occluder
+    Explain(ExplainArgs),
+    /// Print a completion script for a shell
+    Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LoggingArgs {
+    /// How logs on stderr look
+    #[arg(long, global = true, value_enum, default_value_t = LogFormat::Text, help_heading = "Logging")]
+    pub(crate) log_format: LogFormat,
+    /// Tell more (twice: even more)
+    #[arg(short, long, global = true, action = clap::ArgAction::Count, help_heading = "Logging")]
+    pub(crate) verbose: u8,
+    /// Tell errors only (twice: nothing)
+    #[arg(short, long, global = true, action = clap::ArgAction::Count, conflicts_with = "verbose", help_heading = "Logging")]
+    pub(crate) quiet: u8,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LogFormat {
+    /// One line of text each
+    Text,
+    /// One JSON object a line
+    Json,
+}
+
+/// A recipe and what is changed of it.
+#[derive(Debug, Args)]
+pub(crate) struct RecipeArgs {
+    /// A preset's name (see `satseed presets`) or the path of a TOML file
+    pub(crate) recipe: String,
+    /// Seed of the recipe; the scenes' seeds follow from it
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "seeds")]
+    pub(crate) seed: Option<u64>,
+    /// Seed list whose scenes replace the recipe's: `region[/variant] seed [key=value ...]` a line
+    #[arg(long, value_name = "FILE")]
+    pub(crate) seeds: Option<PathBuf>,
+    /// Override a key of the recipe, such as camera.gsd_m=0.5 or scene.canyon.relief_m=150
+    #[arg(long, value_name = "K=V")]
+    pub(crate) set: Vec<String>,
+}
+
+impl RecipeArgs {
+    /// The recipe that the arguments name.
+    pub(crate) fn load(&self) -> Result<Recipe, RecipeError> {
+        let changes = Changes { set: self.set.clone(), seed: self.seed, seed_list: self.seeds.clone() };
+        Recipe::load(&self.recipe, &changes)
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PresetsArgs {
+    #[command(subcommand)]
+    pub(crate) command: Option<PresetsCommand>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum PresetsCommand {
+    /// List all presets (the default)
+    List,
+    /// Print a preset's text
+    Show {
+        /// The preset
+        name: String,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlanArgs {
+    #[command(flatten)]
+    pub(crate) recipe: RecipeArgs,
+    /// A table of scenes with totals, or one JSON object a pair
+    #[arg(long, value_enum, default_value_t = PlanFormat::Table)]
+    pub(crate) format: PlanFormat,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlanFormat {
+    /// A table of scenes with totals
+    Table,
+    /// One JSON object a pair
+    Jsonl,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GenerateArgs {
+    #[command(flatten)]
+    pub(crate) recipe: RecipeArgs,
+    /// Folder of the dataset: new, empty, or one that holds this plan already
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Threads; as many as there are cores by default. Changes no byte
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) jobs: Option<u32>,
+    /// Make only part I of N of the pairs, I from 1
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Print pairs, bytes, memory and time, and write nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Refuse to start if more memory could be needed, such as 8GiB
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+#[derive(Debug, Args)]
+
+pub(crate) struct PreviewArgs {
+    /// A preset's name (see `satseed presets`) or the path of a TOML file
+    pub(crate) recipe: String,
+    /// The region, such as canyon
+    #[arg(long, value_name = "R")]
+    pub(crate) region: String,
+    /// The region's variant; the recipe's own by default
+    #[arg(long, value_name = "V")]
+    pub(crate) variant: Option<String>,
+    /// Seed of the scene, as it stands in its name; that of the recipe's first scene of the region by default
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+    /// Override a key of the recipe, such as scene.canyon.relief_m=150
+    #[arg(long, value_name = "K=V")]
+    pub(crate) set: Vec<String>,
+    /// From where
+    #[arg(long, value_enum, default_value_t = View::Nadir)]
+    pub(crate) view: View,
+    /// Width and height of the picture, px
+    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(8..=16384))]
+    pub(crate) size: u32,
+    /// The picture
+    #[arg(short, long = "output", value_name = "FILE.png")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum View {
+    /// Straight down, as a pair's frame
+    Nadir,
+    /// From the side
+    Oblique,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArgs {
+    /// Folder of the dataset
+    pub(crate) dir: PathBuf,
+    /// Make N samples again from their seeds and compare
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) regenerate: u32,
+    /// Print findings as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// Folder of the dataset
+    pub(crate) dir: PathBuf,
+    /// Print as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print the seed list that makes the same scenes
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) seeds: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExplainArgs {
+    /// Folder of the dataset
+    pub(crate) dir: PathBuf,
+    /// The sample, such as canyon-gorge-42/b03-a17
+    #[arg(long, value_name = "ID")]
+    pub(crate) sample: String,
+    /// Column and row in the left image, from 0
+    #[arg(long, value_name = "U,V", value_parser = pixel)]
+    pub(crate) pixel: [u32; 2],
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub(crate) shell: clap_complete::Shell,
+}
+
+/// `8000000`, `8GB` (thousands), `8GiB` or `8G` (1024s).
+fn bytes(text: &str) -> Result<u64, String> {
+    let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let (number, unit) = text.split_at(digits);
+    let factor = match unit.to_ascii_lowercase().as_str() {
+        "" | "b" => 1,
+        "k" | "kib" => 1 << 10,
+        "kb" => 1_000,
+        "m" | "mib" => 1 << 20,
+        "mb" => 1_000_000,
+        "g" | "gib" => 1 << 30,
+        "gb" => 1_000_000_000,
+        "t" | "tib" => 1 << 40,
+        "tb" => 1_000_000_000_000,
+        _ => 0,
+    };
+    let bytes = number.parse::<u64>().ok().and_then(|n| n.checked_mul(factor)).filter(|n| *n > 0);
+    bytes.ok_or_else(|| "a size is a number of bytes such as 8000000000, 8GB or 8GiB".to_owned())
+}
+
+/// `812,40`
+fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let parse = || {
+        let (u, v) = text.split_once(',')?;
+        Some([u.trim().parse().ok()?, v.trim().parse().ok()?])
+    };
+    parse().ok_or_else(|| "a pixel is column and row, such as 812,40".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_and_pixels() {
+        assert_eq!(bytes("17"), Ok(17));
+        assert_eq!(bytes("2GB"), Ok(2_000_000_000));
+        assert_eq!(bytes("2GiB"), Ok(2 << 30));
+        assert_eq!(bytes("2g"), Ok(2 << 30));
+        for bad in ["", "0", "-1", "GB", "2 GB", "2X", "99999999999999999999", "20000000T"] {
+            assert!(bytes(bad).is_err(), "{bad}");
+        }
+        assert_eq!(pixel("812,40"), Ok([812, 40]));
+        for bad in ["", "1", "1,", "1,2,3", "-1,2", "1.5,2"] {
+            assert!(pixel(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! `satseed preview`
+
+use super::Exit;
+use super::args::{PreviewArgs, View};
+use anyhow::Context as _;
+use glam::DVec3;
+use satseed::camera::{Camera, Datum, RigSpec, StereoRig};
+use satseed::dataset::formats::{Pixels, Plane};
+use satseed::plan::Plan;
+use satseed::recipe::{Changes, Recipe};
+use satseed::render::render;
+use satseed_scene::SeedPath;
+use satseed_tracer::Tracer;
+
+pub(crate) fn run(args: &PreviewArgs) -> anyhow::Result<Exit> {
+    let changes = Changes { set: args.set.clone(), ..Changes::default() };
+    let recipe = Recipe::load(&args.recipe, &changes)?;
+    let region = recipe.region(&args.region, args.variant.as_deref())?;
+    let seed = match args.seed {
+        Some(seed) => seed,
+        None => first_seed(&recipe, region.name())?,
+    };
+    if let Some(folder) = args.output.parent().filter(|p| !p.as_os_str().is_empty())
+        && !folder.is_dir()
+    {
+        anyhow::bail!("{} is no folder: create it, or name another place for the picture", folder.display());
+    }
+    let scene = region.build(seed);
+    let (held, placed) = scene.triangle_counts();
+    tracing::info!(region = region.name(), seed, triangles = held, placed, "scene built");
+    let tracer = Tracer::new(&scene);
+    let camera = match args.view {
+        View::Nadir => nadir(&recipe, scene.pivot_height_m, args.size),
+        View::Oblique => oblique(&tracer, scene.pivot_height_m, region.full_detail_radius_m(), args.size),
+    };
+    let noise = SeedPath::root("sensor", seed).child("preview");
+    let image = render(&tracer, &camera, &recipe.light().into(), recipe.sensor().settings(), &noise);
+    let picture = Plane { width: image.width, height: image.height, pixels: Pixels::Rgb(image.rgb) };
+    std::fs::write(&args.output, picture.encode()?)
+        .with_context(|| format!("cannot write the picture to {}", args.output.display()))?;
+    Ok(Exit::Fine)
+}
+
+/// The seed of the recipe's first scene of a region.
+fn first_seed(recipe: &Recipe, region: &str) -> anyhow::Result<u64> {
+    let plan = Plan::new(recipe)?;
+    let scene = plan.scenes.iter().find(|s| s.region.name() == region);
+    scene.map(|s| s.seed).with_context(|| format!("the recipe has no scene of `{region}`: name one with --seed N"))
+}
+
+/// The recipe's camera over the pivot, north up, as many pixels as asked for.
+fn nadir(recipe: &Recipe, pivot_height_m: f64, size_px: u32) -> Camera {
+    // A rig without baseline, its right towards the east.
+    let rig = StereoRig::new(RigSpec {
+        altitude_m: recipe.camera().altitude_m,
+        gsd_m: recipe.camera().gsd_m,
+        size_px: [size_px; 2],
+        baseline_m: 0.0,
+        azimuth_rad: core::f64::consts::FRAC_PI_2,
+        pivot_along_baseline: 0.5,
+        pivot_m: DVec3::new(0.0, 0.0, pivot_height_m),
+        datum: Datum::None,
+    });
+    rig.left
+}
+
+/// From the south-west, so that the whole of the full detail is seen; above anything that stands there.
+fn oblique(tracer: &Tracer, pivot_height_m: f64, radius_m: f64, size_px: u32) -> Camera {
+    let pivot_m = DVec3::new(0.0, 0.0, pivot_height_m);
+    let mut eye_m = pivot_m + DVec3::new(-0.62, -0.83, 0.75) * radius_m;
+    let above = satseed_scene::Ray { origin: eye_m.with_z(20_000.0), direction: DVec3::NEG_Z };
+    if let Some(hit) = tracer.closest(&above, 40_000.0) {
+        eye_m.z = eye_m.z.max(hit.point.z + 0.1 * radius_m);
+    }
+    Camera::looking_at(eye_m, pivot_m, [size_px; 2], f64::from(size_px) * 0.9)
+}

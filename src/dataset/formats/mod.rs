@@ -1,0 +1,360 @@
+//! The encodings of a dataset's files: every array has one, and the same array gives the same bytes everywhere.
+//!
+//! 8-bit arrays are PNG with fdeflate's fast filter, wider ones TIFF with deflate 6 and the predictor that fits their
+//! type. All encoders are integer code without a dependence on processor, threads or clock.
+
+mod png;
+mod tiff;
+
+pub use tiff::{HeightMap, decode_height_map, encode_height_map};
+
+/// The values of an array, row by row from the top.
+#[derive(Clone, Debug)]
+pub enum Pixels {
+    /// One byte a pixel.
+    Gray(Vec<u8>),
+    /// Three bytes a pixel.
+    Rgb(Vec<u8>),
+    /// One 32-bit float a pixel.
+    Float(Vec<f32>),
+    /// One 32-bit number a pixel.
+    Id(Vec<u32>),
+    /// Three signed 16-bit numbers a pixel.
+    Vector(Vec<i16>),
+}
+
+/// What kind of values an array holds; it decides the encoding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelKind {
+    /// [`Pixels::Gray`], PNG.
+    Gray,
+    /// [`Pixels::Rgb`], PNG.
+    Rgb,
+    /// [`Pixels::Float`], TIFF.
+    Float,
+    /// [`Pixels::Id`], TIFF.
+    Id,
+    /// [`Pixels::Vector`], TIFF.
+    Vector,
+}
+
+impl PixelKind {
+    /// The extension of its files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Gray | Self::Rgb => "png",
+            Self::Float | Self::Id | Self::Vector => "tif",
+        }
+    }
+
+    /// Values a pixel.
+    fn channels(self) -> usize {
+        match self {
+            Self::Gray | Self::Float | Self::Id => 1,
+            Self::Rgb | Self::Vector => 3,
+        }
+    }
+
+    /// Bytes a pixel takes in memory and in the pixel hash.
+    pub fn bytes_per_pixel(self) -> usize {
+        match self {
+            Self::Gray => 1,
+            Self::Rgb => 3,
+            Self::Float | Self::Id => 4,
+            Self::Vector => 6,
+        }
+    }
+}
+
+/// A two-dimensional array.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width * height` pixels.
+    pub pixels: Pixels,
+}
+
+/// What is wrong with an array or with a file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FormatError {
+    /// The array's length does not fit its size.
+    #[error("an array of {found} values cannot be {width} x {height} pixels of {kind:?}")]
+    Length {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Kind of values.
+        kind: PixelKind,
+        /// Values given.
+        found: usize,
+    },
+    /// The file has another size than it must have.
+    #[error("it is {found_width} x {found_height} pixels, but {width} x {height} are expected")]
+    Size {
+        /// Expected columns.
+        width: u32,
+        /// Expected rows.
+        height: u32,
+        /// Columns found.
+        found_width: u32,
+        /// Rows found.
+        found_height: u32,
+    },
+    /// The file holds another kind of values.
+    #[error("it holds {found}, but {expected:?} is expected")]
+    Kind {
+        /// Expected kind.
+        expected: PixelKind,
+        /// Found, in the decoder's words.
+        found: String,
+    },
+    /// The file cannot be decoded.
+    #[error("it cannot be decoded: {0}")]
+    Decode(String),
+    /// The array cannot be encoded.
+    #[error("the array cannot be encoded: {0}")]
+    Encode(String),
+}
+
+impl Plane {
+    /// What kind of values it holds.
+    pub fn kind(&self) -> PixelKind {
+        match self.pixels {
+            Pixels::Gray(_) => PixelKind::Gray,
+            Pixels::Rgb(_) => PixelKind::Rgb,
+            Pixels::Float(_) => PixelKind::Float,
+            Pixels::Id(_) => PixelKind::Id,
+            Pixels::Vector(_) => PixelKind::Vector,
+        }
+    }
+
+    /// The bytes of a file with this array.
+    ///
+    /// # Errors
+    /// Where the array's length does not fit its size.
+    pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
+        self.check_length()?;
+        match &self.pixels {
+            Pixels::Gray(v) | Pixels::Rgb(v) => png::encode(self.width, self.height, self.kind(), v),
+            Pixels::Float(v) => tiff::encode(self.width, self.height, self.kind(), v),
+            Pixels::Id(v) => tiff::encode(self.width, self.height, self.kind(), v),
+            Pixels::Vector(v) => tiff::encode(self.width, self.height, self.kind(), v),
+        }
+    }
+
+    /// Reads a file of a known kind and size. Nothing is allocated for a file of another size, since files also come
+    /// from strangers.
+    ///
+    /// # Errors
+    /// Where the file is damaged, or its kind or size is not the expected one.
+    pub fn decode(bytes: &[u8], kind: PixelKind, width: u32, height: u32) -> Result<Self, FormatError> {
+        let pixels = match kind {
+            PixelKind::Gray => Pixels::Gray(png::decode(bytes, kind, width, height)?),
+            PixelKind::Rgb => Pixels::Rgb(png::decode(bytes, kind, width, height)?),
+            PixelKind::Float | PixelKind::Id | PixelKind::Vector => tiff::decode(bytes, kind, width, height)?,
+        };
+        let plane = Self { width, height, pixels };
+        plane.check_length()?;
+        Ok(plane)
+    }
+
+    /// BLAKE3 over the array in row-major order, little-endian, without padding: it outlives a change of encoder.
+    pub fn pixel_hash(&self) -> blake3::Hash {
+        let mut hasher = blake3::Hasher::new();
+        match &self.pixels {
+            Pixels::Gray(v) | Pixels::Rgb(v) => {
+                hasher.update(v);
+            }
+            Pixels::Float(v) => update_chunked(&mut hasher, v, |x| x.to_bits().to_le_bytes()),
+            Pixels::Id(v) => update_chunked(&mut hasher, v, u32::to_le_bytes),
+            Pixels::Vector(v) => update_chunked(&mut hasher, v, i16::to_le_bytes),
+        }
+        hasher.finalize()
+    }
+
+    /// The index of the first pixel where two arrays of the same kind and size differ, bit by bit.
+    pub fn first_difference(&self, other: &Self) -> Option<usize> {
+        fn first<T>(a: &[T], b: &[T], same: impl Fn(&T, &T) -> bool) -> Option<usize> {
+            a.iter().zip(b).position(|(x, y)| !same(x, y)).or((a.len() != b.len()).then_some(a.len().min(b.len())))
+        }
+        let value = match (&self.pixels, &other.pixels) {
+            (Pixels::Gray(a), Pixels::Gray(b)) | (Pixels::Rgb(a), Pixels::Rgb(b)) => first(a, b, |x, y| x == y),
+            (Pixels::Float(a), Pixels::Float(b)) => first(a, b, |x, y| x.to_bits() == y.to_bits()),
+            (Pixels::Id(a), Pixels::Id(b)) => first(a, b, |x, y| x == y),
+            (Pixels::Vector(a), Pixels::Vector(b)) => first(a, b, |x, y| x == y),
+            _ => Some(0),
+        };
+        value.map(|i| i / self.kind().channels())
+    }
+
+    /// The value of one pixel, for people.
+    pub fn describe(&self, pixel: usize) -> String {
+        let three = |i: usize| 3 * i..3 * i + 3;
+        match &self.pixels {
+            Pixels::Gray(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x}")),
+            Pixels::Float(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x} ({:08x})", x.to_bits())),
+            Pixels::Id(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x}")),
+            Pixels::Rgb(v) => v.get(three(pixel)).map_or_else(String::new, |x| format!("{x:?}")),
+            Pixels::Vector(v) => v.get(three(pixel)).map_or_else(String::new, |x| format!("{x:?}")),
+        }
+    }
+
+    fn check_length(&self) -> Result<(), FormatError> {
+        let found = match &self.pixels {
+            Pixels::Gray(v) | Pixels::Rgb(v) => v.len(),
+            Pixels::Float(v) => v.len(),
+            Pixels::Id(v) => v.len(),
+            Pixels::Vector(v) => v.len(),
+        };
+        let (width, height, kind) = (self.width, self.height, self.kind());
+        if self.width as usize * self.height as usize * kind.channels() == found && found > 0 {
+            Ok(())
+        } else {
+            Err(FormatError::Length { width, height, kind, found })
+        }
+    }
+}
+
+fn update_chunked<T: Copy, const N: usize>(hasher: &mut blake3::Hasher, values: &[T], bytes: impl Fn(T) -> [u8; N]) {
+    let mut buffer = Vec::with_capacity(N * 8192);
+    for chunk in values.chunks(8192) {
+        buffer.clear();
+        for v in chunk {
+            buffer.extend_from_slice(&bytes(*v));
+        }
+        hasher.update(&buffer);
+    }
+}
+
+/// The one NaN that stands where nothing was hit: its sign and payload differ between processors otherwise.
+pub const MISS: f32 = f32::from_bits(0x7fc0_0000);
+
+/// The nearest multiple of 1/256 px; NaN stays. It halves a disparity file and is below any matcher's precision.
+pub fn round_to_256th(disparity_px: f32) -> f32 {
+    // The product and the quotient by a power of two are exact, so this rounds once, ties to even.
+    (disparity_px * 256.0).round_ties_even() / 256.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(width: u32, height: u32) -> impl Iterator<Item = usize> {
+        0..width as usize * height as usize
+    }
+
+    fn planes(width: u32, height: u32) -> Vec<Plane> {
+        let of = |pixels| Plane { width, height, pixels };
+        vec![
+            of(Pixels::Gray(ramp(width, height).map(|i| (i * 7 % 251) as u8).collect())),
+            of(Pixels::Rgb(ramp(width, height).flat_map(|i| [(i % 256) as u8, (i / 3 % 256) as u8, 7]).collect())),
+            of(Pixels::Float(
+                ramp(width, height).map(|i| if i % 97 == 0 { MISS } else { i as f32 * 0.37 - 400.0 }).collect(),
+            )),
+            of(Pixels::Id(ramp(width, height).map(|i| (i as u32).wrapping_mul(2_654_435_761)).collect())),
+            of(Pixels::Vector(
+                ramp(width, height).flat_map(|i| [i as i16, (i as i16).wrapping_neg(), i16::MIN]).collect(),
+            )),
+        ]
+    }
+
+    #[test]
+    fn every_kind_reads_back_bit_by_bit() {
+        for (width, height) in [(1, 1), (3, 700), (301, 259)] {
+            for plane in planes(width, height) {
+                let bytes = plane.encode().unwrap();
+                assert_eq!(bytes, plane.encode().unwrap());
+                let back = Plane::decode(&bytes, plane.kind(), width, height).unwrap();
+                assert_eq!(plane.first_difference(&back), None, "{:?} {width} x {height}", plane.kind());
+                assert_eq!(plane.pixel_hash(), back.pixel_hash());
+            }
+        }
+    }
+
+    /// A change of these bytes is a change of every dataset: it must be meant, and told in CHANGELOG.md.
+    #[test]
+    fn encoders_have_not_changed() {
+        let hashes: Vec<_> = planes(301, 259)
+            .iter()
+            .map(|p| {
+                (blake3::hash(&p.encode().unwrap()).to_hex()[..16].to_owned(), p.pixel_hash().to_hex()[..16].to_owned())
+            })
+            .collect();
+        let expected = GOLDEN.map(|(bytes, pixels)| (bytes.to_owned(), pixels.to_owned()));
+        assert_eq!(hashes, expected);
+    }
+
+    const GOLDEN: [(&str, &str); 5] = [
+        ("53058096e2c950d4", "8ede0577a5e29694"),
+        ("0af84038f3340b91", "1547826f4c8b7db7"),
+        ("a834b89a3fed989a", "b14dcb826d849248"),
+        ("31b368f9688b1c97", "2a31df42dff7d4ec"),
+        ("85e7d1ebd072d6cc", "d981cee6f51786a6"),
+    ];
+
+    #[test]
+    fn another_size_kind_or_a_damaged_file_is_refused() {
+        for plane in planes(40, 30) {
+            let bytes = plane.encode().unwrap();
+            let kind = plane.kind();
+            assert!(matches!(Plane::decode(&bytes, kind, 41, 30), Err(FormatError::Size { .. })));
+            for other in [PixelKind::Gray, PixelKind::Rgb, PixelKind::Float, PixelKind::Id, PixelKind::Vector] {
+                assert_eq!(Plane::decode(&bytes, other, 40, 30).is_ok(), other == kind, "{kind:?} as {other:?}");
+            }
+            for cut in [0, 1, 7, bytes.len() / 2, bytes.len() - 20] {
+                assert!(Plane::decode(&bytes[..cut], kind, 40, 30).is_err(), "{kind:?} cut to {cut}");
+            }
+        }
+    }
+
+    /// Damaged files give an error or an array, never a panic.
+    #[test]
+    fn no_damaged_byte_makes_a_decoder_panic() {
+        for plane in planes(24, 17) {
+            let bytes = plane.encode().unwrap();
+            for at in 0..bytes.len() {
+                for value in [0, 0x7f, 0xff] {
+                    let mut damaged = bytes.clone();
+                    damaged[at] = value;
+                    let _ = Plane::decode(&damaged, plane.kind(), 24, 17);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_array_that_does_not_fit_is_refused() {
+        let plane = Plane { width: 4, height: 4, pixels: Pixels::Rgb(vec![0; 16]) };
+        assert!(matches!(plane.encode(), Err(FormatError::Length { .. })));
+        let plane = Plane { width: 0, height: 4, pixels: Pixels::Gray(vec![]) };
+        assert!(plane.encode().is_err());
+    }
+
+    #[test]
+    fn differences_are_found_by_pixel() {
+        let a = Plane { width: 2, height: 2, pixels: Pixels::Rgb(vec![0; 12]) };
+        let mut values = vec![0; 12];
+        values[8] = 1;
+        let b = Plane { width: 2, height: 2, pixels: Pixels::Rgb(values) };
+        assert_eq!(a.first_difference(&b), Some(2));
+        assert_eq!(b.describe(2), "[0, 0, 1]");
+        assert_eq!(a.first_difference(&a), None);
+    }
+
+    #[test]
+    fn rounding_to_256ths() {
+        assert_eq!(round_to_256th(666.666_7), 170_667.0 / 256.0);
+        assert_eq!(round_to_256th(-0.001), 0.0);
+        assert_eq!(round_to_256th(1.5 / 256.0), 2.0 / 256.0, "ties to even");
+        assert_eq!(round_to_256th(MISS).to_bits(), MISS.to_bits());
+        for i in 0..100_000 {
+            let d = i as f32 * 0.0137 - 600.0;
+            assert!((round_to_256th(d) - d).abs() <= 1.0 / 512.0);
+        }
+    }
+}

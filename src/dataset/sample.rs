@@ -1,0 +1,455 @@
+//! A finished sample: two views of one pair, their cameras, and what may be said of them.
+
+use super::formats::{MISS, PixelKind, Pixels, Plane};
+use serde::{Deserialize, Serialize};
+
+/// One of a pair's two views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum View {
+    /// The reference view.
+    Left,
+    /// The other one.
+    Right,
+}
+
+impl View {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+}
+
+/// An array of a view: its image or one of its labels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    /// What the sensor recorded, RGB.
+    Image,
+    /// `u_L - u_R`, px, wherever something was hit.
+    Disparity,
+    /// 0 miss, 1 valid, 2 occluded, 3 out of frame.
+    Validity,
+    /// Height above the datum of what is seen, m.
+    Elevation,
+    /// Semantic class.
+    Class,
+    /// Object id, 0 is the terrain.
+    Instance,
+    /// Geometric normal, world frame, times 32767.
+    Normal,
+    /// Direct sun, 0 to 255.
+    Shadow,
+    /// 1 where a pixel spans more than 1 px of disparity.
+    Edge,
+}
+
+impl Layer {
+    /// All of them, in the order in which files are listed.
+    pub const ALL: [Self; 9] = [
+        Self::Image,
+        Self::Disparity,
+        Self::Validity,
+        Self::Elevation,
+        Self::Class,
+        Self::Instance,
+        Self::Normal,
+        Self::Shadow,
+        Self::Edge,
+    ];
+
+    /// What values it holds.
+    pub fn kind(self) -> PixelKind {
+        match self {
+            Self::Image => PixelKind::Rgb,
+            Self::Validity | Self::Class | Self::Shadow | Self::Edge => PixelKind::Gray,
+            Self::Disparity | Self::Elevation => PixelKind::Float,
+            Self::Instance => PixelKind::Id,
+            Self::Normal => PixelKind::Vector,
+        }
+    }
+
+    /// Its name in a record's file table: `left`, `disparity_left`.
+    pub fn key(self, view: View) -> String {
+        let name = match self {
+            Self::Image => return view.name().to_owned(),
+            Self::Disparity => "disparity",
+            Self::Validity => "validity",
+            Self::Elevation => "elevation",
+            Self::Class => "class",
+            Self::Instance => "instance",
+            Self::Normal => "normal",
+            Self::Shadow => "shadow",
+            Self::Edge => "edge",
+        };
+        format!("{name}_{}", view.name())
+    }
+
+    /// Its file's name in a sample's folder: `left.png`, `disparity_left.tif`.
+    pub fn file_name(self, view: View) -> String {
+        format!("{}.{}", self.key(view), self.kind().extension())
+    }
+
+    /// The layer and view of a key in a record's file table.
+    pub fn from_key(key: &str) -> Option<(Self, View)> {
+        Self::ALL.iter().flat_map(|l| [(*l, View::Left), (*l, View::Right)]).find(|(l, v)| l.key(*v) == key)
+    }
+}
+
+/// Values of the validity map.
+pub mod validity {
+    /// Nothing was hit.
+    pub const MISS: u8 = 0;
+    /// Seen by both.
+    pub const VALID: u8 = 1;
+    /// In the other frame, but behind something.
+    pub const OCCLUDED: u8 = 2;
+    /// Beyond the other frame.
+    pub const OUT_OF_FRAME: u8 = 3;
+}
+
+/// The highest semantic class.
+pub const LAST_CLASS: u8 = 14;
+
+/// One camera of `camera.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraRecord {
+    /// Columns.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// Focal length along u, px.
+    pub fx_px: f64,
+    /// Focal length along v, px.
+    pub fy_px: f64,
+    /// Principal point, u, px; pixel centres stand at integers.
+    pub cx_px: f64,
+    /// Principal point, v, px.
+    pub cy_px: f64,
+    /// Optical centre, world frame, m.
+    pub position_m: [f64; 3],
+    /// Rotation from the camera's frame (u, v, forward) to the world's, by rows.
+    pub world_from_camera: [[f64; 3]; 3],
+    /// Homogeneous pixel from homogeneous world point, by rows.
+    pub projection: [[f64; 4]; 3],
+}
+
+/// `camera.json`: the two cameras of a pair.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraFile {
+    /// The left camera.
+    pub left: CameraRecord,
+    /// The right camera.
+    pub right: CameraRecord,
+    /// Distance of the optical centres, m.
+    pub baseline_m: f64,
+    /// Height of the optical centres above z = 0, m.
+    pub altitude_m: f64,
+    /// Ground sampling distance at z = 0, m.
+    pub gsd_m: f64,
+    /// Direction of the baseline, clockwise from north, degrees.
+    pub azimuth_deg: f64,
+    /// Angle under which the baseline is seen from z = 0, degrees.
+    pub convergence_deg: f64,
+    /// The same from the pivot's height, degrees.
+    pub convergence_at_pivot_deg: f64,
+    /// `cx_R - cx_L`, px, as Middlebury has it.
+    pub doffs_px: f64,
+    /// Lowest and highest disparity of the left view's hit pixels, occluded and out-of-frame ones included, px.
+    pub disparity_range_px: Option<[f32; 2]>,
+}
+
+/// Who a sample is: what its record says before any pixel is counted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identity {
+    /// The scene's name, its folder.
+    pub scene: String,
+    /// The sample's name in it, such as `b03-a17`.
+    pub name: String,
+    /// Region.
+    pub region: String,
+    /// The region's variant.
+    pub variant: String,
+    /// The scene's seed.
+    pub scene_seed: u64,
+    /// `train`, `val` or `test`.
+    pub split: String,
+    /// Hash of the scene's parameters.
+    pub scene_params_hash: String,
+    /// Distance of the optical centres, m.
+    pub baseline_m: f64,
+    /// Direction of the baseline, clockwise from north, degrees.
+    pub azimuth_deg: f64,
+    /// Angle under which the baseline is seen from z = 0, degrees.
+    pub convergence_deg: f64,
+}
+
+impl Identity {
+    /// `<scene>/<sample>`.
+    pub fn id(&self) -> String {
+        format!("{}/{}", self.scene, self.name)
+    }
+}
+
+/// A finished pair.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// Who it is.
+    pub identity: Identity,
+    /// Its cameras.
+    pub camera: CameraFile,
+    /// Its arrays. The left image, disparity and validity are always there.
+    pub planes: Vec<(Layer, View, Plane)>,
+}
+
+/// Shares of the left view's pixels and the range of its disparities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics {
+    /// Share of pixels seen by both views, 0 to 1.
+    pub valid_fraction: f64,
+    /// Share of pixels in the other frame but behind something, 0 to 1.
+    pub occluded_fraction: f64,
+    /// Share of pixels beyond the other frame, 0 to 1.
+    pub out_of_frame_fraction: f64,
+    /// Lowest and highest disparity of all hit pixels, px; none where nothing was hit.
+    pub disparity_range_px: Option<[f32; 2]>,
+}
+
+impl Statistics {
+    /// Counts a validity map and its disparities.
+    pub fn of(disparity_px: &[f32], validity: &[u8]) -> Self {
+        let mut counts = [0_u64; 256];
+        for value in validity {
+            counts[usize::from(*value)] += 1;
+        }
+        let share = |value: u8| counts[usize::from(value)] as f64 / validity.len().max(1) as f64;
+        let range = disparity_px.iter().filter(|d| !d.is_nan()).fold(None, |range: Option<[f32; 2]>, d| {
+            Some(range.map_or([*d, *d], |[low, high]| [low.min(*d), high.max(*d)]))
+        });
+        Self {
+            valid_fraction: share(validity::VALID),
+            occluded_fraction: share(validity::OCCLUDED),
+            out_of_frame_fraction: share(validity::OUT_OF_FRAME),
+            disparity_range_px: range,
+        }
+    }
+}
+
+/// What is wrong with a sample's content. The writer asserts it before writing, `verify` on reading.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("`{file}`: {what}")]
+pub struct ContentError {
+    /// The file it concerns.
+    pub file: String,
+    /// What is wrong.
+    pub what: String,
+}
+
+impl Sample {
+    /// One of its arrays.
+    pub fn plane(&self, layer: Layer, view: View) -> Option<&Plane> {
+        self.planes.iter().find(|(l, v, _)| (*l, *v) == (layer, view)).map(|(_, _, plane)| plane)
+    }
+
+    /// Counts its left view and puts the range of disparities into its camera file.
+    ///
+    /// # Errors
+    /// Where the left disparity or validity is missing.
+    pub fn count(&mut self) -> Result<Statistics, ContentError> {
+        let (disparity, validity) = self.left_labels()?;
+        let statistics = Statistics::of(disparity, validity);
+        self.camera.disparity_range_px = statistics.disparity_range_px;
+        Ok(statistics)
+    }
+
+    fn left_labels(&self) -> Result<(&[f32], &[u8]), ContentError> {
+        let missing = |layer: Layer| ContentError { file: layer.file_name(View::Left), what: "it is missing".into() };
+        match (self.plane(Layer::Disparity, View::Left), self.plane(Layer::Validity, View::Left)) {
+            (Some(Plane { pixels: Pixels::Float(d), .. }), Some(Plane { pixels: Pixels::Gray(v), .. })) => Ok((d, v)),
+            (None, _) => Err(missing(Layer::Disparity)),
+            _ => Err(missing(Layer::Validity)),
+        }
+    }
+
+    /// Whether arrays, cameras and each other agree.
+    ///
+    /// # Errors
+    /// The first disagreement.
+    pub fn check(&self) -> Result<(), ContentError> {
+        let (disparity, validity) = self.left_labels()?;
+        let fault = |file: String, what: String| Err(ContentError { file, what });
+        if self.plane(Layer::Image, View::Left).is_none() {
+            return fault(Layer::Image.file_name(View::Left), "it is missing".into());
+        }
+        for (layer, view, plane) in &self.planes {
+            let camera = if *view == View::Left { &self.camera.left } else { &self.camera.right };
+            let file = layer.file_name(*view);
+            if (plane.width, plane.height) != (camera.width_px, camera.height_px) {
+                let (w, h) = (camera.width_px, camera.height_px);
+                return fault(file, format!("{} x {} px, but the camera has {w} x {h}", plane.width, plane.height));
+            }
+            if plane.kind() != layer.kind() {
+                return fault(file, format!("it holds {:?}, but must hold {:?}", plane.kind(), layer.kind()));
+            }
+            if let Some(what) = value_fault(*layer, plane, self.plane(Layer::Validity, *view)) {
+                return fault(file, what);
+            }
+        }
+        let range = Statistics::of(disparity, validity).disparity_range_px;
+        if self.camera.disparity_range_px != range {
+            let what = format!(
+                "disparities run over {range:?}, but the camera file says {:?}",
+                self.camera.disparity_range_px
+            );
+            return fault(Layer::Disparity.file_name(View::Left), what);
+        }
+        Ok(())
+    }
+}
+
+/// The first value that its layer cannot hold.
+fn value_fault(layer: Layer, plane: &Plane, validity_map: Option<&Plane>) -> Option<String> {
+    let at = |i: usize| format!("pixel ({}, {})", i % plane.width as usize, i / plane.width as usize);
+    let above = |values: &[u8], limit: u8, what: &str| {
+        let i = values.iter().position(|v| *v > limit)?;
+        Some(format!("{} is {}, but a {what} is at most {limit}", at(i), values[i]))
+    };
+    match (layer, &plane.pixels) {
+        (Layer::Validity, Pixels::Gray(v)) => above(v, validity::OUT_OF_FRAME, "validity"),
+        (Layer::Class, Pixels::Gray(v)) => above(v, LAST_CLASS, "class"),
+        (Layer::Edge, Pixels::Gray(v)) => above(v, 1, "edge mark"),
+        (Layer::Disparity | Layer::Elevation, Pixels::Float(values)) => {
+            let map = match validity_map.map(|p| &p.pixels) {
+                Some(Pixels::Gray(map)) if map.len() == values.len() => Some(map),
+                _ => None,
+            };
+            for (i, value) in values.iter().enumerate() {
+                if value.is_infinite() || (value.is_nan() && value.to_bits() != MISS.to_bits()) {
+                    return Some(format!("{} is {value}, which no label holds", at(i)));
+                }
+                let missed = map.map(|m| m[i] == validity::MISS);
+                if missed.is_some_and(|missed| missed != value.is_nan()) {
+                    return Some(format!("{} is {value}, but its validity is {}", at(i), map.map_or(0, |m| m[i])));
+                }
+            }
+            None
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    fn camera(width: u32, height: u32) -> CameraRecord {
+        CameraRecord {
+            width_px: width,
+            height_px: height,
+            fx_px: 10_000.0 / 3.0,
+            fy_px: 10_000.0 / 3.0,
+            cx_px: f64::from(width - 1) / 2.0,
+            cy_px: f64::from(height - 1) / 2.0,
+            position_m: [-50.0, 0.0, 1000.0],
+            world_from_camera: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
+            projection: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.1]],
+        }
+    }
+
+    /// A sample whose arrays are made of its names: synthetic, but every check applies to it.
+    pub(crate) fn synthetic(scene: &str, name: &str, width: u32, height: u32) -> Sample {
+        let salt = blake3::hash(format!("{scene}/{name}").as_bytes()).as_bytes()[0];
+        let pixels = width as usize * height as usize;
+        let validity: Vec<u8> = (0..pixels).map(|i| [1, 1, 1, 2, 3, 0][(i / 3 + salt as usize) % 6]).collect();
+        let disparity = |offset: f32| -> Vec<f32> {
+            let value = |(i, v): (usize, &u8)| if *v == 0 { MISS } else { offset + i as f32 * 0.1 };
+            validity.iter().enumerate().map(value).collect()
+        };
+        let of = |pixels| Plane { width, height, pixels };
+        let image = |salt: u8| of(Pixels::Rgb((0..pixels * 3).map(|i| (i as u8).wrapping_mul(salt | 1)).collect()));
+        let mut sample = Sample {
+            identity: Identity {
+                scene: scene.to_owned(),
+                name: name.to_owned(),
+                region: "canyon".into(),
+                variant: "gorge".into(),
+                scene_seed: 7,
+                split: "train".into(),
+                scene_params_hash: "9f03c1aa".into(),
+                baseline_m: 100.0,
+                azimuth_deg: 30.0,
+                convergence_deg: 5.72,
+            },
+            camera: CameraFile {
+                left: camera(width, height),
+                right: camera(width, height),
+                baseline_m: 100.0,
+                altitude_m: 1000.0,
+                gsd_m: 0.3,
+                azimuth_deg: 30.0,
+                convergence_deg: 5.72,
+                convergence_at_pivot_deg: 5.8,
+                doffs_px: 0.0,
+                disparity_range_px: None,
+            },
+            planes: vec![
+                (Layer::Image, View::Left, image(salt)),
+                (Layer::Image, View::Right, image(salt.wrapping_add(4))),
+                (Layer::Disparity, View::Left, of(Pixels::Float(disparity(300.0)))),
+                (Layer::Validity, View::Left, of(Pixels::Gray(validity.clone()))),
+                (Layer::Instance, View::Left, of(Pixels::Id((0..pixels as u32).collect()))),
+            ],
+        };
+        sample.count().expect("left labels are there");
+        sample
+    }
+
+    #[test]
+    fn keys_and_file_names_are_one_to_one() {
+        for layer in Layer::ALL {
+            for view in [View::Left, View::Right] {
+                assert_eq!(Layer::from_key(&layer.key(view)), Some((layer, view)));
+            }
+        }
+        assert_eq!(Layer::Image.file_name(View::Right), "right.png");
+        assert_eq!(Layer::Disparity.file_name(View::Left), "disparity_left.tif");
+        assert_eq!(Layer::from_key("disparity"), None);
+    }
+
+    #[test]
+    fn statistics_count_every_pixel() {
+        let s = Statistics::of(&[MISS, 3.0, -2.0, 9.0], &[0, 1, 2, 3]);
+        assert_eq!((s.valid_fraction, s.occluded_fraction, s.out_of_frame_fraction), (0.25, 0.25, 0.25));
+        assert_eq!(s.disparity_range_px, Some([-2.0, 9.0]));
+        assert_eq!(Statistics::of(&[MISS], &[0]).disparity_range_px, None);
+    }
+
+    #[test]
+    fn disagreements_are_found() {
+        let good = synthetic("canyon-gorge-7", "b00-a00", 12, 9);
+        good.check().unwrap();
+        let change = |f: &dyn Fn(&mut Sample)| {
+            let mut sample = good.clone();
+            f(&mut sample);
+            sample.check().unwrap_err().to_string()
+        };
+        let disparity = |s: &mut Sample, i: usize, value: f32| {
+            let Pixels::Float(v) = &mut s.planes[2].2.pixels else { panic!() };
+            v[i] = value;
+        };
+        let hit = (0..108).find(|i| matches!(&good.planes[3].2.pixels, Pixels::Gray(v) if v[*i] == 1)).unwrap();
+        assert!(change(&|s| disparity(s, hit, MISS)).contains("its validity is 1"));
+        assert!(change(&|s| disparity(s, hit, f32::INFINITY)).contains("no label holds"));
+        assert!(change(&|s| disparity(s, hit, -f32::NAN)).contains("no label holds"));
+        assert!(change(&|s| disparity(s, hit, 9999.0)).contains("camera file says"));
+        assert!(change(&|s| s.camera.left.width_px = 13).contains("the camera has 13 x 9"));
+        let strange = |s: &mut Sample| {
+            let Pixels::Gray(v) = &mut s.planes[3].2.pixels else { panic!() };
+            v[hit] = 4;
+        };
+        assert!(change(&strange).contains("at most 3"));
+        assert!(change(&|s| drop(s.planes.remove(3))).contains("missing"));
+        assert!(change(&|s| drop(s.planes.remove(0))).contains("`left.png`: it is missing"));
+    }
+}

@@ -1,0 +1,175 @@
+//! A scene as the pipeline needs it: built, traceable, and with the files that its samples share.
+
+use super::PipelineError;
+use crate::camera::Datum as RigDatum;
+use crate::dataset::formats::HeightMap;
+use crate::dataset::{SceneFiles, to_json};
+use crate::labels::surface_models;
+use crate::plan::SceneSpec;
+use crate::recipe::{Datum, Recipe};
+use satseed_generators::Region;
+use satseed_scene::{Environment, Raster, Scene};
+use satseed_tracer::Tracer;
+use serde::Serialize;
+
+/// A built scene with all that its pairs share.
+pub struct BuiltScene<'s> {
+    /// What was asked for.
+    pub recipe: &'s Recipe,
+    /// Which scene of the plan.
+    pub spec: &'s SceneSpec,
+    /// Rays against it.
+    pub tracer: Tracer<'s>,
+    /// Sun and air.
+    pub environment: Environment,
+    /// Where disparity is 0, resolved for this scene.
+    pub datum: RigDatum,
+}
+
+/// `scene.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneRecord {
+    /// Name and folder.
+    pub name: String,
+    /// Region.
+    pub region: String,
+    /// The region's variant.
+    pub variant: String,
+    /// The scene's seed.
+    pub seed: u64,
+    /// The generator's version.
+    pub generator_version: u32,
+    /// BLAKE3 of the parameters.
+    pub params_hash: String,
+    /// The parameters, every one of them.
+    pub parameters: serde_json::Value,
+    /// Lowest and highest height that the scene may have, from its parameters alone, m.
+    pub height_bounds_m: [f64; 2],
+    /// Height of the ground at the pivot, m. The pivot stands at x = y = 0.
+    pub pivot_height_m: f64,
+    /// Within this distance from the pivot geometry stands in full detail, m.
+    pub full_detail_radius_m: f64,
+    /// Height at which disparity is 0, m; none where the recipe has no datum.
+    pub datum_m: Option<f64>,
+    /// Share of the surface model's cells whose vertical line meets two or more upward surfaces over 1 m apart.
+    pub multi_layer_fraction: f64,
+    /// Triangles, counted once for each placement.
+    pub triangles: usize,
+    /// What the numbers of the instance label mean: entry 0 is the bare terrain.
+    pub objects: Vec<ObjectRecord>,
+}
+
+/// An entry of a scene's object table.
+#[derive(Clone, Debug, Serialize)]
+pub struct ObjectRecord {
+    /// Its number in the instance label.
+    pub id: u32,
+    /// Its path in the scene's seed tree.
+    pub path: String,
+    /// Its semantic class.
+    pub class: u8,
+}
+
+/// Builds a scene and checks what its generator made.
+pub(super) fn build(spec: &SceneSpec) -> Result<Scene, PipelineError> {
+    let scene = spec.region.build(spec.seed);
+    scene.validate().map_err(|reason| PipelineError::Scene { name: spec.name.clone(), reason })?;
+    Ok(scene)
+}
+
+impl<'s> BuiltScene<'s> {
+    /// Prepares a scene for its pairs.
+    pub fn new(recipe: &'s Recipe, spec: &'s SceneSpec, scene: &'s Scene) -> Self {
+        let datum = match recipe.camera().datum {
+            Datum::None => RigDatum::None,
+            Datum::HeightM(z) => RigDatum::Height(z),
+            Datum::Pivot => RigDatum::Height(scene.pivot_height_m),
+            Datum::Lowest => RigDatum::Height(under_the_lowest_m(scene)),
+        };
+        Self { recipe, spec, tracer: Tracer::new(scene), environment: recipe.light().into(), datum }
+    }
+
+    /// The files that its samples share.
+    pub fn files(&self) -> SceneFiles {
+        let scene = self.tracer.scene();
+        let (half_side_m, cell_m) = (self.spec.region.full_detail_radius_m(), self.recipe.camera().gsd_m);
+        let models = surface_models(&self.tracer, half_side_m, cell_m);
+        let several = models.layers.data.iter().filter(|n| **n >= 2).count();
+        let record = SceneRecord {
+            name: self.spec.name.clone(),
+            region: self.spec.region.name().to_owned(),
+            variant: self.spec.region.variant().to_owned(),
+            seed: self.spec.seed,
+            generator_version: self.spec.region.version(),
+            params_hash: self.spec.params_hash.clone(),
+            parameters: parameters(&self.spec.region),
+            height_bounds_m: self.spec.region.height_bounds_m(),
+            pivot_height_m: scene.pivot_height_m,
+            full_detail_radius_m: half_side_m,
+            datum_m: match self.datum {
+                RigDatum::None => None,
+                RigDatum::Height(z) => Some(z),
+            },
+            multi_layer_fraction: several as f64 / models.layers.data.len().max(1) as f64,
+            triangles: scene.triangle_counts().1,
+            objects: (0..)
+                .zip(&scene.objects)
+                .map(|(id, o)| ObjectRecord { id, path: o.path.clone(), class: o.class as u8 })
+                .collect(),
+        };
+        SceneFiles { scene_json: to_json(&record), dsm: height_map(models.dsm_m), dtm: height_map(models.dtm_m) }
+    }
+
+    /// Rays that a pair takes, about: those of pixels and labels.
+    pub fn rays_per_pair(&self) -> u64 {
+        2 * self.recipe.camera().pixels() * (u64::from(self.recipe.sensor().samples_per_pixel) * 2 + 6)
+    }
+}
+
+/// Just under the lowest vertex of any triangle that reaches into the full-detail square: no frame sees lower.
+fn under_the_lowest_m(scene: &Scene) -> f64 {
+    const MARGIN_M: f64 = 0.5;
+    let radius_m = scene.full_detail_radius_m;
+    let mut lowest = f64::INFINITY;
+    for (i, instance) in scene.instances.iter().enumerate() {
+        for triangle in 0..scene.meshes[instance.mesh as usize].triangles.len() {
+            let corners = scene.corners(i as u32, triangle as u32);
+            let low = |axis: fn(&glam::DVec3) -> f64| corners.iter().map(axis).fold(f64::INFINITY, f64::min);
+            let high = |axis: fn(&glam::DVec3) -> f64| corners.iter().map(axis).fold(f64::NEG_INFINITY, f64::max);
+            let near = low(|p| p.x) <= radius_m
+                && high(|p| p.x) >= -radius_m
+                && low(|p| p.y) <= radius_m
+                && high(|p| p.y) >= -radius_m;
+            if near {
+                lowest = lowest.min(low(|p| p.z));
+            }
+        }
+    }
+    lowest - MARGIN_M
+}
+
+fn parameters(region: &Region) -> serde_json::Value {
+    let tagged = serde_json::to_value(region).expect("parameter structs hold numbers, words, lists and tables only");
+    match tagged {
+        serde_json::Value::Object(map) => map.into_iter().next().map_or(serde_json::Value::Null, |(_, v)| v),
+        other => other,
+    }
+}
+
+fn height_map(raster: Raster<f32>) -> HeightMap {
+    HeightMap {
+        west_m: raster.origin_m.x,
+        south_m: raster.origin_m.y,
+        cell_m: raster.cell_m,
+        width: raster.width as u32,
+        height: raster.height as u32,
+        heights_m: raster.data,
+    }
+}
+
+/// What the surface models of a scene take while they are made and encoded, bytes: the lines' answers twice, three
+/// rasters, one of them turned and encoded.
+pub(super) fn surface_model_bytes(region: &Region, cell_m: f64) -> u64 {
+    let side = (2.0 * region.full_detail_radius_m() / cell_m) as u64 + 1;
+    side * side * (2 * 12 + 9 + 12)
+}
