@@ -28,6 +28,7 @@ pub(super) struct Materials {
     brick: Vec<u32>,
     windowed: Vec<u32>,
     precast: Vec<u32>,
+    banded: Vec<u32>,
     condo_glass: Vec<u32>,
     office_glass: Vec<u32>,
     masonry_glass: Vec<u32>,
@@ -154,7 +155,7 @@ fn road(kind: u16, age: u16, seed: u32) -> Material {
 
 /// Concrete slabs with joints every `joint_m` of their texture coordinates.
 fn concrete(name: &str, class: Class, level: f32, joint_m: f32, seed: u32) -> Material {
-    let m = Material::diffuse(name, class, bgr(0.74, 0.88, 1.0) * level).rough(0.3);
+    let m = Material::diffuse(name, class, bgr(0.8, 0.92, 1.0) * level).rough(0.3);
     let mut m = aged(m, seed, 0.12, 0.09);
     if joint_m > 0.0 {
         let joints = Field::Max(vec![
@@ -206,8 +207,20 @@ fn with_windows(m: Material, width_m: f32, height_m: f32, seed: u32) -> Material
     let cells = |s: u32| Field::Cells { space: Space::Uv, seed: seed ^ s, size_m: [bay, floor, 0.0], stagger: 0.0 };
     m.with(Layer::Mix { color: bgr(0.06, 0.065, 0.07), amount: mask() }).with(Layer::Mix {
         color: bgr(0.3, 0.31, 0.32),
-        amount: Field::Product(vec![mask(), cells(1).ramp(0.3, 0.9).times(0.7)]),
+        amount: Field::Product(vec![mask(), cells(1).ramp(0.3, 0.9).times(0.5)]),
     })
+}
+
+/// Rows of windows between bands, floor by floor.
+fn banded(m: Material, seed: u32) -> Material {
+    let (bay, floor) = (NOMINAL_BAY_M as f32, NOMINAL_FLOOR_M as f32);
+    let row = || {
+        let panes = repeating(Coordinate::U, bay / 2.0, bay / 2.0 - 0.2, 0.1);
+        Field::Product(vec![panes, repeating(Coordinate::V, floor, 2.2, 0.3)])
+    };
+    let cells = Field::Cells { space: Space::Uv, seed, size_m: [bay / 2.0, floor, 0.0], stagger: 0.0 };
+    m.with(Layer::Mix { color: bgr(0.075, 0.072, 0.066), amount: row().times(0.92) })
+        .with(Layer::Mix { color: bgr(0.25, 0.25, 0.25), amount: Field::Product(vec![row(), cells.ramp(0.5, 1.1)]) })
 }
 
 /// Glazing of a facade: dark under a smooth coat, with mullions, blinds and a shade for every pane.
@@ -218,11 +231,11 @@ fn glass(name: &str, tint: Bands, mullion: Bands, panes: f32, blinds: f32, seed:
         |s: u32, n: f32| Field::Cells { space: Space::Uv, seed: seed ^ s, size_m: [n, floor, 0.0], stagger: 0.0 };
     let mut m = Material::diffuse(name, Class::Facade, tint);
     m.brdf = Brdf::Coated { index: 1.52 };
-    m.with(brightness(cells(1, pane).times(0.35)))
+    m.with(brightness(cells(1, pane).times(0.3)))
         .with(brightness(Field::Variation(0).times(0.25)))
         .with(Layer::Mix {
             color: bgr(0.33, 0.34, 0.35),
-            amount: cells(2, bay).ramp(1.0 - 2.0 * blinds, 1.25 - 2.0 * blinds).times(0.6),
+            amount: cells(2, pane).ramp(1.0 - 2.0 * blinds, 1.5 - 2.0 * blinds).times(0.42),
         })
         .with(Layer::Mix { color: mullion, amount: repeating(Coordinate::U, pane, 0.14, -0.07) })
         .with(Layer::Mix { color: mullion, amount: repeating(Coordinate::V, floor, 0.12, 0.95).times(0.7) })
@@ -267,6 +280,7 @@ impl Materials {
             brick: Vec::new(),
             windowed: Vec::new(),
             precast: Vec::new(),
+            banded: Vec::new(),
             condo_glass: Vec::new(),
             office_glass: Vec::new(),
             masonry_glass: Vec::new(),
@@ -369,13 +383,18 @@ impl Materials {
             let tint = if k % 2 == 0 { bgr(0.9, 0.97, 1.0) } else { bgr(0.97, 1.0, 1.0) };
             let m = self.add(wall(&format!("precast {k}"), tint * *level, seed("precast", k as u64)));
             self.precast.push(m);
+            // Blocks beyond the detailed circle have their floors as texture.
+            let s = seed("banded", k as u64);
+            let m = banded(wall(&format!("banded {k}"), tint * (*level + 0.05), s), s);
+            let m = self.add(m);
+            self.banded.push(m);
         }
         let frames = [bgr(0.09, 0.09, 0.09), bgr(0.3, 0.31, 0.32), bgr(0.16, 0.16, 0.16)];
         let tints =
             [bgr(0.055, 0.055, 0.045), bgr(0.045, 0.05, 0.05), bgr(0.07, 0.072, 0.062), bgr(0.035, 0.035, 0.035)];
         for k in 0..4_usize {
             let s = seed("glass", k as u64);
-            let m = self.add(glass(&format!("condominium glass {k}"), tints[k], frames[k % 3], 2.0, 0.3, s));
+            let m = self.add(glass(&format!("condominium glass {k}"), tints[k], frames[k % 3], 2.0, 0.22, s));
             self.condo_glass.push(m);
             let m = self.add(glass(
                 &format!("office glass {k}"),
@@ -395,13 +414,13 @@ impl Materials {
         let flat: [(Bands, f32, f32); 9] = [
             (bgr(0.3, 0.315, 0.32), 2.6, 0.3),
             (bgr(0.2, 0.215, 0.225), 2.2, 0.25),
-            (bgr(0.13, 0.135, 0.14), 1.0, 0.3),
+            (bgr(0.11, 0.113, 0.116), 1.0, 0.3),
             (bgr(0.075, 0.077, 0.08), 1.0, 0.22),
             (bgr(0.19, 0.21, 0.225), 0.0, 0.2),
-            (bgr(0.15, 0.165, 0.185), 0.0, 0.25),
+            (bgr(0.14, 0.165, 0.195), 0.0, 0.25),
             (bgr(0.5, 0.51, 0.51), 2.8, 0.3),
             (bgr(0.24, 0.26, 0.275), 0.0, 0.3),
-            (bgr(0.1, 0.108, 0.115), 2.0, 0.3),
+            (bgr(0.085, 0.1, 0.122), 2.0, 0.3),
         ];
         for (k, (base, strip, stain)) in flat.into_iter().enumerate() {
             let m = self.add(membrane(&format!("roof {k}"), base, strip, stain, seed("roof", k as u64)));
@@ -566,7 +585,8 @@ impl Materials {
             }
         };
         let wall = match kind {
-            Kind::Condo | Kind::Office | Kind::Block if massing => of(&self.windowed, &mut rng),
+            Kind::Condo | Kind::Office if massing => of(&self.banded, &mut rng),
+            Kind::Block if massing => of(&self.windowed, &mut rng),
             Kind::Shed => of(&self.brick, &mut rng),
             _ => wall,
         };

@@ -204,8 +204,8 @@ fn kerbside(params: &Params, segment: &Segment, path: &SeedPath, out: &mut Segme
     let [s0, s1] = segment.span_m;
     for (k, side) in [(0, 1.0), (1, -1.0)] {
         let mut rng = path.child("side").index(k).rng();
-        let planted = rng.chance(0.72);
-        let pitch = rng.range(8.0, 12.0);
+        let planted = rng.chance(0.82);
+        let pitch = rng.range(8.0, 11.0);
         let kept = rng.range(0.6, 0.95) * params.trees;
         let mut s = s0 + rng.range(9.0, 15.0);
         while planted && s < s1 - 9.0 {
