@@ -10,6 +10,8 @@ mod reader;
 mod record;
 mod sample;
 mod store;
+mod summary;
+mod terrain;
 mod verify;
 #[cfg(test)]
 mod verify_tests;
@@ -26,5 +28,7 @@ pub use sample::{
     CameraFile, CameraRecord, ContentError, Identity, LAST_CLASS, Layer, Sample, Statistics, View, validity,
 };
 pub use store::{DiskStore, Entry, MemoryStore, Store, StoreError, check_path};
+pub use summary::{BaselineSummary, CLASS_NAMES, Histogram, RegionSummary, SceneSummary, Summary, summarise};
+pub use terrain::SceneFigures;
 pub use verify::{Fault, Finding, Report, verify};
 pub use writer::{Contents, SceneContents, SceneFiles, WriteError, Writer, to_json};

@@ -10,7 +10,7 @@ mod regenerate;
 mod scene;
 
 pub use contents::{contents, recipe_text};
-pub use pair::make_sample;
+pub use pair::{make_sample, rig};
 pub use regenerate::{chosen, regenerate, same_recipe_text};
 pub use scene::{BuiltScene, SceneRecord};
 

@@ -28,7 +28,7 @@ pub fn make_sample(scene: &BuiltScene<'_>, pair: &PairSpec) -> Sample {
 }
 
 /// The rig of a pair.
-pub(super) fn rig(scene: &BuiltScene<'_>, pair: &PairSpec) -> StereoRig {
+pub fn rig(scene: &BuiltScene<'_>, pair: &PairSpec) -> StereoRig {
     let camera = scene.recipe.camera();
     StereoRig::new(RigSpec {
         altitude_m: camera.altitude_m,

@@ -1,10 +1,12 @@
 //! Materials of the canyon: beds, soil, scree, sand, water.
 
-use super::relief::{Relief, Worn};
+use super::relief::Relief;
 use super::strata::Strata;
 use super::valley::{FOLD_LIMIT_M, Fold};
+use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
 use glam::DVec2;
+use rayon::prelude::*;
 use satseed_scene::{Bands, Brdf, Class, Coordinate, Field, Layer, Material, MaterialRaster, Raster, SeedPath, Space};
 
 /// Slots of the terrain's material set.
@@ -19,21 +21,59 @@ pub(super) mod slot {
     pub(in super::super) const WATER: u16 = 3;
 }
 
-/// Rasters by their index in the scene.
+/// Rasters by their index in the scene. What varies over a metre or more is worked out once, here, and not for every
+/// ray: noise costs more than a look at a raster.
 mod raster {
     pub(super) const FOLD: u32 = 0;
+    /// How much scree covers the rock.
     pub(super) const SCREE: u32 = 1;
+    /// 8 m2 to 8,000 m2 of drainage area in equal steps of the logarithm.
     pub(super) const FLOW: u32 = 2;
+    /// How much sand of the river covers the ground.
     pub(super) const SAND: u32 = 3;
-    pub(super) const WET: u32 = 4;
-    pub(super) const HOLLOW: u32 = 5;
+    /// Below one half silt, above it cobbles.
+    pub(super) const BARS: u32 = 4;
+    /// One half at the bank, 1 six metres into the river.
+    pub(super) const WET: u32 = 5;
+    /// Dust and soil on slopes around one half.
+    pub(super) const DUST: u32 = 6;
+    /// Pockets of pale sand on level rock.
+    pub(super) const POCKETS: u32 = 7;
+    /// Dark crust on level soil.
+    pub(super) const CRUST: u32 = 8;
+    /// Patches of brightness around one half.
+    pub(super) const TONE: u32 = 9;
+    /// Patches of hue around one half.
+    pub(super) const HUE: u32 = 10;
+    /// How many.
+    pub(super) const COUNT: usize = 11;
 }
 
-/// Thickness of scree that the raster's 1 stands for, m.
-const SCREE_SCALE_M: f64 = 1.6;
+/// Distance of the rasters' posts, m.
+const CELL_M: f64 = 1.0;
+/// Within this distance of the rasters' border all values go over into neutral ones: beyond it they are repeated.
+const TAPER_M: f64 = 24.0;
 
 /// The rasters that the materials read, in the order of their indices.
-pub(super) fn rasters(fold: &Fold, relief: &Relief<'_>, scene_half_m: f64) -> Vec<MaterialRaster> {
+pub(super) fn rasters(fold: &Fold, relief: &Relief<'_>, scene_half_m: f64, path: &SeedPath) -> Vec<MaterialRaster> {
+    let names = ["scree", "sand", "silt", "cobbles", "wash", "dust", "pockets", "crust", "crust patch", "tone", "hue"];
+    let seeds = names.map(|name| path.child(name).hash_u32());
+    let half_m = -relief.window.origin_m.x;
+    let n = (2.0 * half_m / CELL_M) as usize + 1;
+    let shape = Raster::filled(DVec2::splat(-half_m), CELL_M, n, n, ());
+    let rows: Vec<Vec<[u8; raster::COUNT]>> = (0..n)
+        .into_par_iter()
+        .map(|j| (0..n).map(|i| bake(relief, &seeds, shape.position(i, j), half_m)).collect())
+        .collect();
+    let mut rasters = vec![MaterialRaster::new(&folds(fold, scene_half_m))];
+    rasters.extend((1..raster::COUNT).map(|k| {
+        let data = rows.iter().flatten().map(|v| f32::from(v[k]) / 255.0).collect();
+        MaterialRaster::new(&Raster { origin_m: shape.origin_m, cell_m: CELL_M, width: n, height: n, data })
+    }));
+    rasters
+}
+
+fn folds(fold: &Fold, scene_half_m: f64) -> Raster<f32> {
     const FOLD_CELL_M: f64 = 32.0;
     let n = (2.0 * scene_half_m / FOLD_CELL_M) as usize + 3;
     let mut folds = Raster::filled(DVec2::splat(-scene_half_m - FOLD_CELL_M), FOLD_CELL_M, n, n, 0.0_f32);
@@ -43,21 +83,43 @@ pub(super) fn rasters(fold: &Fold, relief: &Relief<'_>, scene_half_m: f64) -> Ve
             folds.set(i, j, value as f32);
         }
     }
-    let Worn { scree_m, area_m2, bank_m, .. } = &relief.worn;
-    let of = |source: &Raster<f32>, f: &dyn Fn(f64) -> f64| {
-        let data = source.data.iter().map(|v| f(f64::from(*v)) as f32).collect();
-        MaterialRaster::new(&Raster { data, ..source.clone() })
-    };
-    vec![
-        MaterialRaster::new(&folds),
-        of(scree_m, &|t| t / SCREE_SCALE_M),
-        // 8 m2 to 8,000 m2 in equal steps of the logarithm.
-        of(area_m2, &|a| libm::log10(a / 8.0) / 3.0),
-        of(bank_m, &|b| 1.0 - smoothstep(5.0, 45.0, b)),
-        // One half at the bank, 1 six metres into the river.
-        of(bank_m, &|b| 0.5 - b / 12.0),
-        MaterialRaster::new(&relief.hollows()),
-    ]
+    folds
+}
+
+/// All rasters' values at a place, in 255ths; the fold's place is empty.
+fn bake(relief: &Relief<'_>, seeds: &[u32; 11], p: DVec2, half_m: f64) -> [u8; raster::COUNT] {
+    let cover = relief.cover(p);
+    // Ragged outlines: octaves that hardly fade.
+    let ragged = |k: usize, wavelength_m: f64| fractal(p, seeds[k], wavelength_m, 5, 0.72);
+    let soft = |k: usize, wavelength_m: f64| fractal(p, seeds[k], wavelength_m, 3, 0.5);
+    let hollow = relief.hollow(p);
+    let scree =
+        smoothstep(0.04, 0.5, cover.scree_m / 1.6 + ragged(0, 6.0) * 0.40 * smoothstep(0.0, 0.2, cover.scree_m));
+    let flow = libm::log10((cover.area_m2 / 8.0).max(1.0)) / 3.0 + ragged(4, 7.0) * 0.10;
+    let sand = smoothstep(0.45, 0.75, 1.0 - smoothstep(5.0, 45.0, cover.bank_m) + ragged(1, 14.0) * 0.35);
+    let silt = smoothstep(0.0, 0.3, ragged(2, 12.0)) * smoothstep(0.2, 0.8, sand);
+    let cobbles = smoothstep(0.05, 0.4, ragged(3, 15.0)) * smoothstep(9.0, 0.5, cover.bank_m);
+    let dust = 0.5 + 0.30 * ragged(5, 11.0) + 0.75 * hollow;
+    let pockets = smoothstep(-0.02, 0.35, ragged(6, 16.0) * 0.8 + hollow * 2.4);
+    let crust = smoothstep(0.05, 0.40, ragged(7, 9.0)) * smoothstep(-0.2, 0.2, soft(8, 55.0));
+    let tone = 0.5 + 0.5 * soft(9, 24.0);
+    let hue = 0.5 + 0.5 * soft(10, 60.0);
+    let inward = half_m - p.abs().max_element();
+    let w = smoothstep(0.0, TAPER_M, inward - 1.0);
+    let values = [
+        (0.0, 0.0),
+        (scree, 0.0),
+        (flow, 0.0),
+        (sand, 0.0),
+        (0.5 + 0.5 * (cobbles - silt * (1.0 - cobbles)), 0.5),
+        (0.5 - cover.bank_m / 12.0, 0.0),
+        (dust, 0.5),
+        (pockets, 0.4),
+        (crust, 0.2),
+        (tone, 0.5),
+        (hue, 0.5),
+    ];
+    values.map(|(value, neutral)| ((neutral + (value.clamp(0.0, 1.0) - neutral) * w) * 255.0 + 0.5) as u8)
 }
 
 /// The terrain's materials by slot.
@@ -65,25 +127,14 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
     let seed = |name: &str| path.child(name).hash_u32();
     let k = contrast as f32;
     let noise = |name: &str, wavelength_m: f32, octaves: u8| Field::world_noise(seed(name), wavelength_m, octaves);
-    // Ragged outlines: octaves that hardly fade.
-    let ragged = |name: &str, wavelength_m: f32| Field::Noise {
-        space: Space::World,
-        seed: seed(name),
-        wavelength_m,
-        octaves: 6,
-        gain: 0.72,
-        stretch: [1.0; 3],
-    };
     let product = |fields: Vec<Field>| Field::Product(fields);
-
+    let raster = Field::Raster;
     let bedding = Field::Sum(vec![
         Field::Along(Coordinate::HEIGHT),
-        Field::Raster(raster::FOLD).affine(-2.0 * FOLD_LIMIT_M as f32, FOLD_LIMIT_M as f32),
-        noise("bedding", 16.0, 4).times(0.45),
+        raster(raster::FOLD).affine(-2.0 * FOLD_LIMIT_M as f32, FOLD_LIMIT_M as f32),
+        noise("bedding", 9.0, 2).times(0.4),
     ]);
-    let steep = || Field::Upward.ramp(0.80, 0.55);
-    let flat = || Field::Upward.ramp(0.82, 0.95);
-    let hollow = || Field::Raster(raster::HOLLOW);
+    let level = || Field::Upward.ramp(0.82, 0.95);
     let streaks = Field::Noise {
         space: Space::World,
         seed: seed("streaks"),
@@ -92,13 +143,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         gain: 0.6,
         stretch: [1.0, 1.0, 14.0],
     };
-    let varnish = product(vec![
-        streaks.ramp(0.0, 0.35),
-        noise("varnish", 30.0, 2).ramp(-0.2, 0.25),
-        Field::Upward.ramp(0.62, 0.3),
-    ]);
-    let scree = || Field::Sum(vec![Field::Raster(raster::SCREE), ragged("scree edge", 6.0).times(0.40)]);
-    let sandy = || Field::Sum(vec![Field::Raster(raster::SAND), ragged("sand edge", 14.0).times(0.35)]);
+    let stony = Field::Max(vec![raster(raster::SCREE), Field::Upward.ramp(0.97, 0.8).times(0.6)]);
 
     let soil = Bands::new(0.112, 0.150, 0.208, 0.29);
     let pale_soil = Bands::new(0.150, 0.192, 0.250, 0.32);
@@ -109,6 +154,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
     let silt = Bands::new(0.135, 0.165, 0.200, 0.26);
     let cobbles = Bands::new(0.120, 0.140, 0.160, 0.21);
 
+    // In products the cheap masks stand first: where they are zero nothing behind them is evaluated.
     let bare = Material::diffuse("rock", Class::Rock, strata.mean_color())
         .rough(0.4)
         .with(Layer::Strata { beds: strata.colors(), height: bedding, amount: Field::Constant(1.0) })
@@ -116,103 +162,86 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         .with(Layer::Mix {
             color: soil,
             amount: product(vec![
-                Field::Sum(vec![
-                    Field::Upward.ramp(0.60, 0.98).times(0.50),
-                    ragged("dust", 11.0).times(0.30),
-                    hollow().affine(0.9, -0.45),
-                ]),
                 Field::Upward.ramp(0.5, 0.7),
+                Field::Sum(vec![Field::Upward.ramp(0.60, 0.98).times(0.50), raster(raster::DUST).affine(1.2, -0.6)]),
             ]),
         })
-        .with(Layer::Mix { color: varnished, amount: varnish.times(0.62) })
+        .with(Layer::Mix {
+            color: varnished,
+            amount: product(vec![
+                Field::Upward.ramp(0.62, 0.3),
+                raster(raster::TONE).ramp(0.35, 0.6),
+                streaks.ramp(0.0, 0.35),
+            ])
+            .times(0.62),
+        })
         .with(Layer::Mix {
             color: rubble,
-            amount: product(vec![scree().ramp(0.05, 0.6), Field::Upward.ramp(0.6, 0.75)]).times(0.55),
+            amount: product(vec![Field::Upward.ramp(0.6, 0.75), raster(raster::SCREE)]).times(0.55),
         })
         // Stones: light and dark specks on scree and on stony slopes.
         .with(Layer::Brightness {
             amount: product(vec![
-                Field::Sum(vec![scree().ramp(0.0, 0.5).times(0.8), Field::Upward.ramp(0.97, 0.8).times(0.5)]),
-                ragged("stones", 1.5).times(0.30 * k),
+                stony,
+                Field::Noise {
+                    space: Space::World,
+                    seed: seed("stones"),
+                    wavelength_m: 1.8,
+                    octaves: 3,
+                    gain: 0.85,
+                    stretch: [1.0; 3],
+                }
+                .times(0.36 * k),
             ]),
         })
         // On level rock, pockets of pale sand in the hollows, dark crust around them, bare ribs between.
-        .with(Layer::Mix {
-            color: pale_soil,
-            amount: product(vec![
-                flat(),
-                Field::Sum(vec![ragged("pockets", 16.0).times(0.8), hollow().affine(2.4, -1.2)]).ramp(-0.02, 0.35),
-            ])
-            .times(0.7),
-        })
-        .with(Layer::Mix {
-            color: crust,
-            amount: product(vec![
-                flat(),
-                ragged("crust", 9.0).ramp(0.05, 0.40),
-                noise("crust patch", 55.0, 2).ramp(-0.2, 0.2),
-            ])
-            .times(0.5),
-        })
-        .with(Layer::Brightness {
-            amount: product(vec![
-                flat(),
-                Field::Warped {
-                    of: Box::new(Field::Cracks {
-                        space: Space::World,
-                        seed: seed("joints"),
-                        cell_m: 17.0,
-                        width_m: 0.5,
-                    }),
-                    seed: seed("joint warp"),
-                    wavelength_m: 9.0,
-                    amplitude_m: 1.6,
-                },
-                noise("joint fade", 40.0, 2).ramp(-0.1, 0.2),
-            ])
-            .times(-0.28 * k),
-        })
+        .with(Layer::Mix { color: pale_soil, amount: product(vec![level(), raster(raster::POCKETS)]).times(0.7) })
+        .with(Layer::Mix { color: crust, amount: product(vec![level(), raster(raster::CRUST)]).times(0.5) })
         // Rills are darker where they are damp, and sandy where they are large.
-        .with(Layer::Brightness { amount: Field::Raster(raster::FLOW).ramp(0.25, 0.55).times(-0.10 * k) })
+        .with(Layer::Brightness { amount: raster(raster::FLOW).ramp(0.25, 0.55).times(-0.10 * k) })
+        .with(Layer::Mix { color: sand, amount: raster(raster::FLOW).ramp(0.74, 0.92).times(0.6) })
         .with(Layer::Mix {
             color: sand,
-            amount: Field::Sum(vec![Field::Raster(raster::FLOW), ragged("wash edge", 7.0).times(0.12)])
-                .ramp(0.74, 0.92)
-                .times(0.6),
+            amount: product(vec![Field::Upward.ramp(0.85, 0.95), raster(raster::SAND)]).times(0.85),
         })
-        .with(Layer::Mix {
-            color: sand,
-            amount: product(vec![sandy().ramp(0.45, 0.75), Field::Upward.ramp(0.85, 0.95)]).times(0.85),
-        })
-        .with(Layer::Mix {
-            color: silt,
-            amount: product(vec![ragged("silt", 12.0).ramp(0.0, 0.3), sandy().ramp(0.5, 0.9)]).times(0.7),
-        })
-        .with(Layer::Mix {
-            color: cobbles,
-            amount: product(vec![ragged("cobbles", 15.0).ramp(0.05, 0.4), Field::Raster(raster::WET).ramp(0.0, 0.45)])
-                .times(0.75),
-        })
+        .with(Layer::Mix { color: silt, amount: raster(raster::BARS).ramp(0.5, 0.0).times(0.7) })
+        .with(Layer::Mix { color: cobbles, amount: raster(raster::BARS).ramp(0.5, 1.0).times(0.75) })
         // Three scales: patches, stains, grain.
-        .with(Layer::Brightness { amount: noise("patch", 24.0, 3).times(0.12 * k) })
-        .with(Layer::Brightness { amount: noise("stain", 2.6, 3).times(0.10 * k) })
-        .with(Layer::Brightness { amount: noise("grain", 0.55, 2).times(0.16 * k) })
+        .with(Layer::Brightness { amount: raster(raster::TONE).affine(0.24 * k, -0.12 * k) })
+        .with(Layer::Brightness { amount: noise("stain", 2.6, 2).times(0.10 * k) })
+        .with(Layer::Brightness { amount: noise("grain", 0.6, 2).times(0.17 * k) })
         // Cracks: dark specks on steep rock.
         .with(Layer::Brightness {
-            amount: product(vec![noise("cracks", 1.1, 3).ramp(0.12, 0.4), steep()]).times(-0.35 * k),
+            amount: product(vec![Field::Upward.ramp(0.80, 0.55), noise("cracks", 1.1, 3).ramp(0.12, 0.4)])
+                .times(-0.35 * k),
         })
-        .with(Layer::Tint { tint: Bands::new(-0.6, -0.1, 0.5, 0.5), amount: noise("hue", 60.0, 3).times(0.10 * k) })
+        .with(Layer::Tint {
+            tint: Bands::new(-0.6, -0.1, 0.5, 0.5),
+            amount: raster(raster::HUE).affine(0.2 * k, -0.1 * k),
+        })
         .with(Layer::Brightness {
-            amount: Field::Raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { -0.10 } else { -0.36 }),
+            amount: raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { -0.10 } else { -0.36 }),
         })
-        .bumpy(noise("bump", 0.9, 3), 0.06);
+        .bumpy(
+            Field::Noise {
+                space: Space::World,
+                seed: seed("bump"),
+                wavelength_m: 2.4,
+                octaves: 2,
+                gain: 0.6,
+                stretch: [1.0; 3],
+            },
+            0.20,
+        );
     let as_class = |name: &str, class: Class| Material { name: name.to_owned(), class, ..bare.clone() };
-    let shallows = Field::Sum(vec![Field::Raster(raster::WET), ragged("shallows", 14.0).times(0.10)]);
     let water = Material {
         brdf: Brdf::Coated { index: 1.33 },
         ..Material::diffuse("river", Class::Water, Bands::new(0.046, 0.068, 0.062, 0.028))
-            .with(Layer::Mix { color: Bands::new(0.085, 0.112, 0.118, 0.06), amount: shallows.ramp(0.85, 0.5) })
-            .with(Layer::Brightness { amount: noise("turbid", 26.0, 5).times(0.22 * k) })
+            .with(Layer::Mix {
+                color: Bands::new(0.085, 0.112, 0.118, 0.06),
+                amount: Field::Sum(vec![raster(raster::WET), noise("shallows", 9.0, 3).times(0.10)]).ramp(0.85, 0.5),
+            })
+            .with(Layer::Brightness { amount: noise("turbid", 26.0, 4).times(0.22 * k) })
             .bumpy(noise("ripples", 0.8, 2), 0.012)
     };
     vec![bare.clone(), as_class("soil and scree", Class::Ground), as_class("wash sand", Class::Sand), water]

@@ -104,7 +104,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let mut scene = Scene {
         material_sets: vec![(0..materials.len() as u32).collect()],
         materials,
-        rasters: dress::rasters(&fold, &relief, scene_half_m),
+        rasters: dress::rasters(&fold, &relief, scene_half_m, &path.child("cover")),
         objects: vec![Object { path: "terrain".to_owned(), class: Class::Ground }],
         pivot_height_m: relief.height_m(DVec2::ZERO),
         full_detail_radius_m: params.radius_m,

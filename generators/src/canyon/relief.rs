@@ -370,29 +370,18 @@ impl<'a> Relief<'a> {
         })
     }
 
-    /// Where the ground is hollow (1) or a rib (0), one half where it is even: the mean height around a post against its
-    /// own, over a few metres.
-    pub(super) fn hollows(&self) -> Raster<f32> {
-        let shape = &self.worn.distance_m;
-        let (width, window) = (shape.width, &self.window);
-        let ratio = (WORN_M / POST_M) as i64;
-        let mean = |i: i64, j: i64, half: i64| {
-            let mut sum = 0.0;
-            for dj in -half..=half {
-                for di in -half..=half {
-                    sum += window.get_clamped(i + 2 * di, j + 2 * dj);
-                }
-            }
-            sum / ((2 * half + 1) * (2 * half + 1)) as f32
+    /// Where the ground is hollow (positive) or a rib (negative), about -0.5..0.5: the mean height over a few metres
+    /// against that close by.
+    pub(super) fn hollow(&self, p: DVec2) -> f64 {
+        let g = (self.window.grid_from_world(p) + 0.5).floor();
+        let (i, j) = (g.x as i64, g.y as i64);
+        let ring = |r: i64| {
+            let d = (r * 7 + 5) / 10;
+            let around = [(r, 0), (d, d), (0, r), (-d, d), (-r, 0), (-d, -d), (0, -r), (d, -d)];
+            around.iter().map(|(di, dj)| self.window.get_clamped(i + di, j + dj)).sum::<f32>() / 8.0
         };
-        let data = (0..shape.data.len())
-            .into_par_iter()
-            .map(|p| {
-                let (i, j) = ((p % width) as i64 * ratio, (p / width) as i64 * ratio);
-                0.5 + 0.22 * (mean(i, j, 4) - mean(i, j, 1))
-            })
-            .collect();
-        Raster { data, ..shape.clone() }
+        (0.25 * f64::from((ring(10) + ring(6)) * 0.5 - (ring(2) + self.window.get_clamped(i, j)) * 0.5))
+            .clamp(-0.6, 0.6)
     }
 
     /// What covers a place.
