@@ -119,7 +119,7 @@ fn scene() -> Scene {
     let mut rng = root.child("place").rng();
     for _ in 0..20_000 {
         let p = DVec2::new(rng.signed(), rng.signed()) * HALF_M;
-        let turn = DQuat::from_rotation_z(rng.range(0.0, 6.28));
+        let turn = DQuat::from_rotation_z(rng.range(0.0, core::f64::consts::TAU));
         instances.push(instance(
             2,
             DAffine3::from_scale_rotation_translation(DVec3::splat(rng.range(0.7, 1.4)), turn, p.extend(height(p))),

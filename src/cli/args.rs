@@ -119,7 +119,6 @@ pub(crate) enum PlanFormat {
 }
 
 #[derive(Debug, Args)]
-#[allow(dead_code, reason = "read by generate.rs")]
 pub(crate) struct GenerateArgs {
     #[command(flatten)]
     pub(crate) recipe: RecipeArgs,
@@ -177,7 +176,6 @@ pub(crate) enum View {
 }
 
 #[derive(Debug, Args)]
-#[allow(dead_code, reason = "read by verify.rs")]
 pub(crate) struct VerifyArgs {
     /// Folder of the dataset
     pub(crate) dir: PathBuf,
@@ -190,7 +188,6 @@ pub(crate) struct VerifyArgs {
 }
 
 #[derive(Debug, Args)]
-#[allow(dead_code, reason = "read by info.rs")]
 pub(crate) struct InfoArgs {
     /// Folder of the dataset
     pub(crate) dir: PathBuf,
@@ -203,7 +200,6 @@ pub(crate) struct InfoArgs {
 }
 
 #[derive(Debug, Args)]
-#[allow(dead_code, reason = "read by explain.rs")]
 pub(crate) struct ExplainArgs {
     /// Folder of the dataset
     pub(crate) dir: PathBuf,

@@ -2,16 +2,86 @@
 
 use super::Exit;
 use super::args::GenerateArgs;
-use super::output::write_stdout;
+use super::output::{bytes_text, write_stdout};
 use super::plan::write_summary;
-use satseed::plan::Plan;
+use super::progress::Progress;
+use anyhow::Context as _;
+use satseed::dataset::{DiskStore, FolderLock};
+use satseed::pipeline::{Options, Outcome, estimate, estimate_seconds, generate};
+use satseed::plan::{Plan, Shard};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
     let recipe = args.recipe.load()?;
     let plan = Plan::new(&recipe)?;
+    let jobs = args.jobs.map_or_else(default_jobs, |n| n as usize);
+    let cost = estimate(&recipe, &plan);
     if args.dry_run {
-        write_stdout(|out| write_summary(out, &recipe, &plan, args.jobs.unwrap_or(1)))?;
+        write_stdout(|out| {
+            write_summary(out, &cost, &plan)?;
+            writeln!(out, "time     about {} on {jobs} threads", duration_text(estimate_seconds(&cost, jobs)))
+        })?;
         return Ok(Exit::Fine);
     }
-    anyhow::bail!("generate is not built yet")
+    if let Some(most) = args.max_memory.filter(|most| cost.memory_bytes > *most) {
+        anyhow::bail!(
+            "the plan may need {} of memory, more than the {} of --max-memory: smaller frames, a smaller radius_m of \
+             its scenes, or a larger --max-memory; nothing was written",
+            bytes_text(cost.memory_bytes),
+            bytes_text(most)
+        );
+    }
+    for note in &plan.notes {
+        tracing::warn!("{note}");
+    }
+
+    let store = DiskStore::create(&args.out)?;
+    let _lock = FolderLock::take(&args.out)?;
+    let stop = stop_on_signals().context("cannot listen for signals")?;
+    let progress = Progress::new(&cost);
+    let options = Options { jobs, shard: args.shard.unwrap_or(Shard::WHOLE), stop: &stop };
+    let outcome = generate(&recipe, &plan, &store, options, &|event| progress.report(event));
+    progress.end();
+    match outcome? {
+        Outcome::Complete(root_hash) => {
+            write_stdout(|out| writeln!(out, "{}", root_hash.hex()))?;
+            Ok(Exit::Fine)
+        }
+        Outcome::ShardDone => {
+            progress.tell("this shard is done; the manifest is written with the last one");
+            Ok(Exit::Fine)
+        }
+        Outcome::Stopped => {
+            progress.stopped();
+            Ok(Exit::Stopped)
+        }
+    }
+}
+
+fn default_jobs() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// A flag that SIGTERM and SIGINT set. A second signal ends the process at once: nothing is lost by that either.
+fn stop_on_signals() -> io::Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGTERM, SIGINT] {
+        flag::register_conditional_shutdown(signal, 75, Arc::clone(&stop))?;
+        flag::register(signal, Arc::clone(&stop))?;
+    }
+    Ok(stop)
+}
+
+/// Seconds for people: `2 h 05 min`.
+fn duration_text(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).round() as u64;
+    match minutes {
+        0..2 => format!("{seconds:.0} s"),
+        2..120 => format!("{minutes} min"),
+        _ => format!("{} h {:02} min", minutes / 60, minutes % 60),
+    }
 }

@@ -12,6 +12,7 @@ mod output;
 mod plan;
 mod presets;
 mod preview;
+mod progress;
 mod verify;
 
 use args::{Cli, Command};
@@ -20,7 +21,6 @@ use std::process::ExitCode;
 
 /// How a command ended without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(dead_code, reason = "verify and generate return the other two")]
 pub(crate) enum Exit {
     /// All is well.
     Fine,

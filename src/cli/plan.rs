@@ -3,6 +3,7 @@
 use super::Exit;
 use super::args::{PlanArgs, PlanFormat};
 use super::output::{bytes_text, write_stdout};
+use satseed::pipeline::estimate;
 use satseed::plan::{Estimate, PairSpec, Plan, SceneSpec, Split};
 use satseed::recipe::Recipe;
 use serde::Serialize;
@@ -35,17 +36,11 @@ fn write_table(out: &mut dyn Write, recipe: &Recipe, plan: &Plan) -> io::Result<
         writeln!(out, "{:width$}  {:>6} {train:>6} {val:>6} {test:>6}", scene.name, scene.pairs.len())?;
     }
     writeln!(out)?;
-    write_summary(out, recipe, plan, 1)
+    write_summary(out, &estimate(recipe, plan), plan)
 }
 
 /// Totals, cost and notes of a plan; `--dry-run` prints the same.
-pub(crate) fn write_summary(
-    out: &mut dyn Write,
-    recipe: &Recipe,
-    plan: &Plan,
-    samples_in_flight: u32,
-) -> io::Result<()> {
-    let estimate = Estimate::of(recipe, plan, samples_in_flight);
+pub(crate) fn write_summary(out: &mut dyn Write, estimate: &Estimate, plan: &Plan) -> io::Result<()> {
     let shares = plan.split_counts();
     let shares: Vec<_> = Split::ALL.iter().map(|s| format!("{} {}", shares[*s as usize], s.word())).collect();
     writeln!(out, "pairs    {} of {} scenes: {}", estimate.pairs, estimate.scenes, shares.join(", "))?;

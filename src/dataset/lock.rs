@@ -23,12 +23,12 @@ pub enum LockError {
         folder: PathBuf,
     },
     /// The system said no.
-    #[error("cannot lock the folder `{}`: {source}", folder.display())]
+    #[error("cannot lock the folder `{}`: {reason}", folder.display())]
     Io {
         /// Which folder.
         folder: PathBuf,
         /// The system's reason.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
 }
 
@@ -38,7 +38,7 @@ impl FolderLock {
     /// # Errors
     /// [`LockError::Held`] where another process has it.
     pub fn take(folder: &Path) -> Result<Self, LockError> {
-        let failed = |source| LockError::Io { folder: folder.to_owned(), source };
+        let failed = |reason| LockError::Io { folder: folder.to_owned(), reason };
         let file = File::open(folder).map_err(failed)?;
         match flock(&file, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => Ok(Self { _folder: file }),

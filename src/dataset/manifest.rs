@@ -46,19 +46,19 @@ impl ManifestHash {
 pub fn parse_lines(text: &str) -> Result<Vec<SampleRecord>, LineError> {
     let mut records = Vec::new();
     for (i, line) in text.lines().enumerate() {
-        records.push(SampleRecord::from_line(line).map_err(|source| LineError { line: i + 1, source })?);
+        records.push(SampleRecord::from_line(line).map_err(|reason| LineError { line: i + 1, reason })?);
     }
     Ok(records)
 }
 
 /// A bad line of a manifest.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {source}")]
+#[error("line {line}: {reason}")]
 pub struct LineError {
     /// From 1.
     pub line: usize,
     /// What is wrong.
-    pub source: RecordError,
+    pub reason: RecordError,
 }
 
 #[cfg(test)]

@@ -2,21 +2,33 @@
 //!
 //! It knows the plan's names and plain arrays, not scenes, cameras or rays.
 
+mod compare;
 pub mod formats;
 mod lock;
 mod manifest;
+mod reader;
 mod record;
 mod sample;
 mod store;
+mod summary;
+mod terrain;
+mod verify;
+#[cfg(test)]
+mod verify_tests;
 mod writer;
 #[cfg(test)]
 mod writer_tests;
 
+pub use compare::{compare_sample, compare_scene};
 pub use lock::{FolderLock, LockError};
 pub use manifest::{LineError, MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE, parse_lines};
+pub use reader::{Dataset, ReadError};
 pub use record::{FileRecord, RecordError, SampleRecord, is_name};
 pub use sample::{
     CameraFile, CameraRecord, ContentError, Identity, LAST_CLASS, Layer, Sample, Statistics, View, validity,
 };
 pub use store::{DiskStore, Entry, MemoryStore, Store, StoreError, check_path};
+pub use summary::{BaselineSummary, CLASS_NAMES, Histogram, RegionSummary, SceneSummary, Summary, summarise};
+pub use terrain::SceneFigures;
+pub use verify::{Fault, Finding, Report, verify};
 pub use writer::{Contents, SceneContents, SceneFiles, WriteError, Writer, to_json};

@@ -188,6 +188,17 @@ pub(crate) mod tests {
         assert!(line.starts_with(start), "{line}");
     }
 
+    /// A reader that is half a unit off in the last place would call every such record a contradiction.
+    #[test]
+    fn fractions_read_back_to_the_bit() {
+        let mut record = record();
+        for i in 0..2000 {
+            record.valid_fraction = f64::from(i) / 1999.0;
+            record.disparity_min_px = Some((f64::from(i) * 0.377 - 300.0) as f32);
+            assert_eq!(SampleRecord::from_line(&record.to_line()).unwrap(), record);
+        }
+    }
+
     #[test]
     fn strangers_lines_are_refused() {
         let line = record().to_line();

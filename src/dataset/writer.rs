@@ -54,20 +54,20 @@ pub enum WriteError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// An array cannot be encoded.
-    #[error("`{path}`: {source}")]
+    #[error("`{path}`: {reason}")]
     Format {
         /// Which file.
         path: String,
         /// Why.
-        source: FormatError,
+        reason: FormatError,
     },
     /// A sample contradicts itself.
-    #[error("sample `{id}`: {source}; this is a bug in satseed, nothing of the sample was recorded")]
+    #[error("sample `{id}`: {reason}; this is a bug in satseed, nothing of the sample was recorded")]
     Content {
         /// Which sample.
         id: String,
         /// What.
-        source: ContentError,
+        reason: ContentError,
     },
     /// The folder holds files that no dataset of this plan has.
     #[error("`{path}` stands in the folder, but is no part of this dataset: choose an empty folder, or remove it")]
@@ -185,7 +185,7 @@ impl<'a> Writer<'a> {
     /// Where the sample contradicts itself or the store fails; the sample is then not recorded.
     pub fn put_sample(&self, mut sample: Sample) -> Result<SampleRecord, WriteError> {
         let id = sample.identity.id();
-        let content = |source| WriteError::Content { id: id.clone(), source };
+        let content = |reason| WriteError::Content { id: id.clone(), reason };
         let statistics = sample.count().map_err(content)?;
         sample.check().map_err(content)?;
 
@@ -285,14 +285,14 @@ impl MadeFile {
     fn array(path: String, plane: &Plane) -> Result<Self, WriteError> {
         match plane.encode() {
             Ok(bytes) => Ok(Self { path, bytes, pixels: Some(plane.pixel_hash()) }),
-            Err(source) => Err(WriteError::Format { path, source }),
+            Err(reason) => Err(WriteError::Format { path, reason }),
         }
     }
 
     fn heights(path: String, map: &HeightMap) -> Result<Self, WriteError> {
         match encode_height_map(map) {
             Ok(bytes) => Ok(Self { path, bytes, pixels: Some(map.pixel_hash()) }),
-            Err(source) => Err(WriteError::Format { path, source }),
+            Err(reason) => Err(WriteError::Format { path, reason }),
         }
     }
 

@@ -49,16 +49,9 @@ impl View {
     }
 }
 
-/// Longest ray: beyond the far side of everything.
-pub(crate) fn reach_m(tracer: &Tracer, from: DVec3) -> f64 {
-    let [low, high] = tracer.bounds_m();
-    let far = (low - from).abs().max((high - from).abs());
-    far.length() + 1.0
-}
-
 /// The closest surface along a camera's ray.
 pub(crate) fn closest(tracer: &Tracer, ray: &Ray) -> Option<Hit> {
-    tracer.closest(ray, reach_m(tracer, ray.origin))
+    tracer.closest(ray, tracer.reach_m(ray.origin))
 }
 
 /// `u_L - u_R` of a world point, px; the same sign in both views.

@@ -129,7 +129,7 @@ fn sun_share(tracer: &Tracer, hit: &Hit, sun: &Environment) -> u8 {
         let radius = Environment::SUN_ANGULAR_RADIUS_RAD * ((f64::from(k) + 0.5) / f64::from(DISC_POINTS)).sqrt();
         let (s, c) = libm::sincos(f64::from(k) * 2.399_963_229_728_653);
         let direction = (centre + (a * c + b * s) * libm::tan(radius)).normalize();
-        if direction.dot(hit.normal) > 0.0 && !tracer.blocked(&origin, direction, super::reach_m(tracer, hit.point)) {
+        if direction.dot(hit.normal) > 0.0 && !tracer.blocked(&origin, direction, tracer.reach_m(hit.point)) {
             seen += 1;
         }
     }

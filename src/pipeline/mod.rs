@@ -6,13 +6,15 @@
 
 mod contents;
 mod pair;
+mod regenerate;
 mod scene;
 
 pub use contents::{contents, recipe_text};
-pub use pair::make_sample;
+pub use pair::{make_sample, rig};
+pub use regenerate::{chosen, regenerate, same_recipe_text};
 pub use scene::{BuiltScene, SceneRecord};
 
-use crate::dataset::{ManifestHash, Sample, Store, WriteError, Writer};
+use crate::dataset::{ManifestHash, ReadError, Sample, Store, WriteError, Writer};
 use crate::plan::{Estimate, Plan, Shard};
 use crate::recipe::Recipe;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,13 +75,16 @@ pub enum PipelineError {
     /// The dataset could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The dataset could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// A generator made something illegal.
-    #[error("scene {name} is not legal: {source}; this is a bug in its generator")]
+    #[error("scene {name} is not legal: {reason}; this is a bug in its generator")]
     Scene {
         /// Which scene.
         name: String,
         /// Why.
-        source: satseed_scene::SceneError,
+        reason: satseed_scene::SceneError,
     },
     /// Threads could not be started.
     #[error("cannot start {jobs} threads: {reason}")]
@@ -108,6 +113,13 @@ pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     let models = plan.scenes.iter().map(|s| scene::surface_model_bytes(&s.region, recipe.camera().gsd_m)).max();
     estimate.memory_bytes += models.unwrap_or(0);
     estimate
+}
+
+/// How long a run takes, about, seconds: measured on one scene of each region, so a first idea and no promise.
+pub fn estimate_seconds(cost: &Estimate, jobs: usize) -> f64 {
+    const RAYS_PER_SECOND_AND_THREAD: f64 = 4e5;
+    const SECONDS_PER_SCENE: f64 = 20.0;
+    cost.scenes as f64 * SECONDS_PER_SCENE + cost.rays as f64 / RAYS_PER_SECOND_AND_THREAD / jobs.max(1) as f64
 }
 
 /// Runs a plan into a store. The caller holds the folder's lock.

@@ -76,7 +76,9 @@ fn planes(maps: ViewLabels, labels: &Labels, with_disparity: bool) -> Vec<(Layer
     let (width, height) = (maps.width, maps.height);
     let mut disparity_px = maps.disparity_px;
     if labels.disparity_precision == DisparityPrecision::Px256th {
-        disparity_px.iter_mut().for_each(|d| *d = round_to_256th(*d));
+        for d in &mut disparity_px {
+            *d = round_to_256th(*d);
+        }
     }
     let normal = |n: Vec<[f32; 3]>| n.into_iter().flatten().map(quantise_unit).collect();
     let mut all = Vec::new();

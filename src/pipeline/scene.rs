@@ -73,7 +73,7 @@ pub struct ObjectRecord {
 /// Builds a scene and checks what its generator made.
 pub(super) fn build(spec: &SceneSpec) -> Result<Scene, PipelineError> {
     let scene = spec.region.build(spec.seed);
-    scene.validate().map_err(|source| PipelineError::Scene { name: spec.name.clone(), source })?;
+    scene.validate().map_err(|reason| PipelineError::Scene { name: spec.name.clone(), reason })?;
     Ok(scene)
 }
 

@@ -14,8 +14,7 @@ pub use reach::{DatumBounds, frame_reach_m};
 pub use shard::{Shard, ShardError, Share};
 pub use split::Split;
 
-use crate::recipe::{MAX_PIVOTS, PairGeometry, Pivots, Recipe, changed_parameters, parameters_text};
-use satseed_generators::Region;
+use crate::recipe::{MAX_PIVOTS, PairGeometry, Pivots, Recipe, Region, changed_parameters, parameters_text};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most pairs of a plan; more are refused, since a plan stands in memory.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Largest seed list, bytes.
-pub const MAX_SEED_LIST_BYTES: u64 = 16 << 20;
+pub const MAX_SEED_LIST_BYTES: u64 = 4 << 20;
 /// Longest chain of `extends`.
 const MAX_EXTENDS: usize = 8;
 

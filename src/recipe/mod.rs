@@ -27,7 +27,8 @@ pub use seed_list::seed_list_line;
 pub use source::RecipeError;
 pub(crate) use write::{changed_parameters, parameters_text};
 
-use satseed_generators::Region;
+/// A region with its parameters, as a recipe names it.
+pub use satseed_generators::Region;
 
 /// Largest recipe file, bytes.
 pub const MAX_RECIPE_BYTES: u64 = 1 << 20;

@@ -2,7 +2,6 @@
 
 use super::light::Light;
 use super::sampling::{Sample, cosine_direction, disc_direction};
-use crate::labels::reach_m;
 use glam::{DVec2, DVec3};
 use satseed_scene::{Bands, Brdf, Environment, Ray, Shade, SurfacePoint};
 use satseed_tracer::{Hit, Origin, Tracer};
@@ -19,24 +18,24 @@ mod purpose {
 
 /// Radiance at the ground along a camera ray, W / (m^2 sr um). `spread` is the footprint's growth per metre.
 pub(super) fn radiance(tracer: &Tracer, light: &Light, ray: &Ray, spread: f64, sample: &Sample) -> Bands {
-    let Some(hit) = tracer.closest(ray, reach_m(tracer, ray.origin)) else {
+    let Some(hit) = tracer.closest(ray, tracer.reach_m(ray.origin)) else {
         return light.sky_radiance(ray.direction);
     };
-    let (shade, origin) = surface(tracer, ray, &hit, spread);
+    let (shade, origin) = surface(tracer, ray, &hit, hit.t * spread);
     let mut sum = direct(tracer, light, &hit, &shade, &origin, ray.direction, sample, purpose::SUN);
-    sum += dome(tracer, light, &hit, &shade, &origin, spread, sample);
+    sum += dome(tracer, light, &hit, &shade, &origin, sample);
     if let Brdf::Coated { index } = shade.brdf {
         let cos = -ray.direction.dot(shade.normal);
         let fresnel = fresnel(cos.clamp(0.0, 1.0) as f32, index);
         let mirrored = (ray.direction + shade.normal * (2.0 * cos)).normalize();
-        let seen = incoming(tracer, light, &origin, mirrored, hit.t * spread, sample);
+        let seen = incoming(tracer, light, &origin, mirrored, sample);
         sum = sum * (1.0 - fresnel) + seen * fresnel;
     }
     sum
 }
 
-/// The material at a hit, and the start of the rays that leave it.
-fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, spread: f64) -> (Shade, Origin) {
+/// The material at a hit over a footprint (m, square on), and the start of the rays that leave it.
+fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -> (Shade, Origin) {
     let scene = tracer.scene();
     let instance = &scene.instances[hit.instance as usize];
     let mesh = &scene.meshes[instance.mesh as usize];
@@ -72,7 +71,7 @@ fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, spread: f64) -> (Shade, Origin
         object_m,
         uv_m,
         normal,
-        footprint_m: hit.t * spread / cos.sqrt(),
+        footprint_m: footprint_m / cos.sqrt(),
         variation: instance.variation,
     };
     let mut shade = scene.material(hit.instance, hit.triangle).shade(&point, &scene.rasters);
@@ -97,7 +96,7 @@ fn direct(
 ) -> Bands {
     let to_sun = disc_direction(light.sun, Environment::SUN_ANGULAR_RADIUS_RAD, sample.square(purpose));
     let scattered = scatter(shade, hit.normal, to_sun, view);
-    if scattered.max_band() <= 0.0 || tracer.blocked(origin, to_sun, reach_m(tracer, hit.point)) {
+    if scattered.max_band() <= 0.0 || tracer.blocked(origin, to_sun, tracer.reach_m(hit.point)) {
         return Bands::ZERO;
     }
     light.sun_irradiance * scattered
@@ -148,17 +147,8 @@ pub(super) fn fresnel(cos: f32, index: f32) -> f32 {
 }
 
 /// Radiance scattered from the sky's dome and from what stands before it: one direction.
-fn dome(
-    tracer: &Tracer,
-    light: &Light,
-    hit: &Hit,
-    shade: &Shade,
-    origin: &Origin,
-    spread: f64,
-    sample: &Sample,
-) -> Bands {
+fn dome(tracer: &Tracer, light: &Light, hit: &Hit, shade: &Shade, origin: &Origin, sample: &Sample) -> Bands {
     let square = sample.square(purpose::SKY);
-    let footprint_m = hit.t * spread;
     let (normal, weight) = match shade.brdf {
         Brdf::Leaf { transmission } => {
             if sample.line(purpose::SIDE) < 0.5 {
@@ -174,25 +164,20 @@ fn dome(
     if above != (normal.dot(hit.normal) > 0.0) {
         return Bands::ZERO;
     }
-    weight * incoming(tracer, light, origin, direction, footprint_m, sample)
+    weight * incoming(tracer, light, origin, direction, sample)
 }
 
+/// Least footprint at which a surface lights another, m.
+const BOUNCE_FOOTPRINT_M: f64 = 1.5;
+
 /// Radiance that arrives at a surface point from a direction: sky, or the sunlit and sky-lit surface that hides it.
-fn incoming(
-    tracer: &Tracer,
-    light: &Light,
-    from: &Origin,
-    direction: DVec3,
-    footprint_m: f64,
-    sample: &Sample,
-) -> Bands {
-    let Some(hit) = tracer.closest_from(from, direction, reach_m(tracer, from.point())) else {
+fn incoming(tracer: &Tracer, light: &Light, from: &Origin, direction: DVec3, sample: &Sample) -> Bands {
+    let Some(hit) = tracer.closest_from(from, direction, tracer.reach_m(from.point())) else {
         return light.sky_radiance(direction);
     };
     let ray = Ray { origin: from.point(), direction };
-    // A wide cone: the other surface counts with its mean colour over a good part of itself.
-    let spread = 0.1 + footprint_m / hit.t.max(0.1);
-    let (shade, origin) = surface(tracer, &ray, &hit, spread);
+    // One of many directions: the other surface counts with its mean colour over a good part of itself.
+    let (shade, origin) = surface(tracer, &ray, &hit, BOUNCE_FOOTPRINT_M.max(0.3 * hit.t));
     let sun = direct(tracer, light, &hit, &shade, &origin, direction, sample, purpose::BOUNCE_SUN);
     // Half the dome, for a wall sees half of it and a street less: the series of further bounces ends here.
     sun + shade.albedo * light.sky_irradiance * (0.5 * INV_PI)
@@ -258,13 +243,13 @@ mod tests {
         let light = Light::new(&environment);
         let ray = Ray { origin: DVec3::new(1.0, 2.0, 900.0), direction: DVec3::NEG_Z };
         let hit = tracer.closest(&ray, 2000.0).expect("the plane is there");
-        let (shade, origin) = surface(&tracer, &ray, &hit, 3e-4);
+        let (shade, origin) = surface(&tracer, &ray, &hit, 0.3);
         let count = 4096;
         let (mut sun, mut sky) = (0.0, 0.0);
         for i in 0..count {
             let sample = Sample::new(1, 1, i, count, 5);
             sun += direct(&tracer, &light, &hit, &shade, &origin, ray.direction, &sample, purpose::SUN)[1];
-            sky += dome(&tracer, &light, &hit, &shade, &origin, 3e-4, &sample)[1];
+            sky += dome(&tracer, &light, &hit, &shade, &origin, &sample)[1];
         }
         let n = count as f32;
         let expected = 0.4 * INV_PI * light.sun_irradiance[1] * libm::sin(0.7) as f32;

@@ -71,6 +71,13 @@ impl<'s> Tracer<'s> {
         [self.instances.bounds.low, self.instances.bounds.high]
     }
 
+    /// A length that takes a ray from a point beyond the far side of everything, m.
+    pub fn reach_m(&self, from: DVec3) -> f64 {
+        let [low, high] = self.bounds_m();
+        let far = (low - from).abs().max((high - from).abs());
+        far.length() + 1.0
+    }
+
     /// Bytes held by the trees and their copies of the triangles.
     pub fn bytes(&self) -> usize {
         let meshes: usize =

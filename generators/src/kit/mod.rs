@@ -1,5 +1,14 @@
 //! What regions share: height fields, erosion, triangulation, streets, buildings, vegetation, vehicles.
 
+pub mod buildings;
+pub mod furniture;
+pub mod ground;
+pub mod mesh_builder;
+pub mod parcels;
+pub mod polygon;
 pub mod rock;
 pub mod shrub;
+pub mod streets;
 pub mod terrain;
+pub mod trees;
+pub mod vehicles;

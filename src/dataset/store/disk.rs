@@ -191,8 +191,8 @@ fn walk(folder: &Path, prefix: &str, found: &mut dyn FnMut(&Path, Entry)) -> Res
     Ok(())
 }
 
-fn failed(doing: &'static str, path: &Path, source: io::Error) -> StoreError {
-    StoreError::Io { doing, path: path.display().to_string(), source }
+fn failed(doing: &'static str, path: &Path, reason: io::Error) -> StoreError {
+    StoreError::Io { doing, path: path.display().to_string(), reason }
 }
 
 fn is_full(error: &io::Error) -> bool {

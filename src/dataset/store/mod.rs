@@ -85,14 +85,14 @@ pub enum StoreError {
         why: &'static str,
     },
     /// The system said no.
-    #[error("cannot {doing} `{path}`: {source}")]
+    #[error("cannot {doing} `{path}`: {reason}")]
     Io {
         /// What was tried.
         doing: &'static str,
         /// Which file, with the root.
         path: String,
         /// The system's reason.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
 }
 

@@ -1,11 +1,48 @@
 //! Toronto: a rotated grid of towers on podiums, slabs, brick rows and laneways.
+//!
+//! The plan comes first and is plain data: streets, blocks, sites, buildings, what stands on the ground. Triangles come
+//! last. Everything is keyed by its own path: one tree more moves no house.
 
+mod assemble;
+mod blocks;
+mod houses;
+mod massing;
+mod materials;
+mod relief;
+mod traffic;
+
+use crate::kit::streets::{CrossSection, Family, StreetPlan, family};
 use crate::{ParameterError, check_range};
+use glam::DVec2;
 use satseed_scene::{Scene, SeedPath};
 use serde::{Deserialize, Serialize};
 
 /// Raised whenever the same parameters and seed give other bytes.
 pub const VERSION: u32 = 1;
+
+/// Slots of the ground's mesh.
+mod ground_slot {
+    pub(super) const CARRIAGEWAY: u16 = 0;
+    pub(super) const KERB: u16 = 1;
+    pub(super) const SIDEWALK: u16 = 2;
+    pub(super) const PAVING: u16 = 3;
+    pub(super) const PAVING_DARK: u16 = 4;
+    pub(super) const PLAZA: u16 = 5;
+    pub(super) const LAWN: u16 = 6;
+    pub(super) const YARD: u16 = 7;
+    pub(super) const LANE: u16 = 8;
+    pub(super) const PATH: u16 = 9;
+    pub(super) const SOIL: u16 = 10;
+    pub(super) const PARKING: u16 = 11;
+    pub(super) const CROSSING: u16 = 12;
+    pub(super) const STOP: u16 = 13;
+    pub(super) const PATCH_NEW: u16 = 14;
+    pub(super) const PATCH_OLD: u16 = 15;
+    pub(super) const MANHOLE: u16 = 16;
+    /// The first of `STREET_KINDS * ROAD_AGES` carriageways.
+    pub(super) const ROAD: u16 = 17;
+    pub(super) const COUNT: usize = (ROAD + super::materials::STREET_KINDS * super::materials::ROAD_AGES) as usize;
+}
 
 /// Which part of the city.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -39,6 +76,16 @@ impl Default for Params {
     }
 }
 
+/// The grid's turn against north, radians: streets run about 17 degrees west of north.
+const GRID_TURN_RAD: f64 = -0.297;
+
+/// Beyond the detailed circle the city goes on as plain blocks for this far, m: the shadow of the tallest tower at a sun
+/// 27 degrees high, and more than any planned frame sees.
+const RING_M: f64 = 600.0;
+
+/// Buildings whose centre is nearer to the pivot than the radius and this have full detail, m: half a large site.
+const DETAIL_MARGIN_M: f64 = 40.0;
+
 impl Params {
     pub(crate) fn variant(&self) -> &'static str {
         match self.variant {
@@ -55,14 +102,49 @@ impl Params {
     }
 
     pub(crate) fn height_bounds_m(&self) -> [f64; 2] {
-        [-10.0, 320.0]
+        // Relief within ±3.7 m; feet a metre and the site's fall below it; towers up to 298 m and a floor, crowns of at
+        // most six floors and a penthouse of 10 m with its furniture.
+        [-10.0, 345.0]
     }
 
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
-        4 << 30
+        // Measured at 60, 170, 400, 700 and 900 m; see `memory_stays_below_its_bound`.
+        let km = (self.radius_m + RING_M) / 1000.0;
+        let detail = self.radius_m / 1000.0;
+        (200.0e6 + 160.0e6 * km * km + 900.0e6 * (detail + 0.1) * (detail + 0.1)) as u64
     }
 }
 
-pub(crate) fn build(_params: &Params, _path: SeedPath) -> Scene {
-    Scene::default()
+/// The streets out to a distance.
+fn streets(path: &SeedPath, reach_m: f64) -> StreetPlan {
+    let (s, c) = libm::sincos(GRID_TURN_RAD);
+    let north = DVec2::new(s, c);
+    let section = |kind, roadway_m, sidewalk_m| CrossSection { kind, roadway_m, sidewalk_m };
+    let narrow = section(0, 10.4, 4.8);
+    let local = section(1, 10.6, 4.8);
+    let wide = section(2, 16.6, 5.2);
+    let avenue = section(3, 22.6, 6.4);
+    let northward = Family {
+        direction: north,
+        block_m: [100.0, 140.0],
+        turn_rad: 0.008,
+        sections: vec![(0.4, narrow), (0.28, local), (0.22, wide), (0.1, avenue)],
+    };
+    let eastward = Family {
+        direction: DVec2::new(north.y, -north.x),
+        block_m: [110.0, 200.0],
+        turn_rad: 0.008,
+        sections: vec![(0.3, narrow), (0.3, local), (0.28, wide), (0.12, avenue)],
+    };
+    let (a, northward) = family(&northward, &path.child("northward"), reach_m);
+    let (b, eastward) = family(&eastward, &path.child("eastward"), reach_m);
+    StreetPlan { first: [a, b], streets: [northward, eastward] }
 }
+
+pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
+    let city = path.child(params.variant());
+    assemble::assemble(params, &assemble::plan(params, &city), &city)
+}
+
+#[cfg(test)]
+mod tests;

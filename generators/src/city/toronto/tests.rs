@@ -1,0 +1,198 @@
+use super::assemble::{self, CityPlan};
+
+use super::*;
+use crate::kit::buildings::{self, BuildingPlan, Detail};
+use crate::kit::mesh_builder::open_edges;
+use crate::kit::polygon;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Half side of a frame of 2048 pixels at 0.3 m.
+const FRAME_HALF_M: f64 = 307.0;
+
+fn planned(seed: u64, variant: Variant) -> CityPlan {
+    let params = Params { variant, radius_m: 400.0, ..Params::default() };
+    let city = SeedPath::root("toronto", seed).child(params.variant());
+    assemble::plan(&params, &city)
+}
+
+fn small() -> Params {
+    Params { radius_m: 170.0, ..Params::default() }
+}
+
+/// Shares of a frame and its towers' heights.
+struct Census {
+    built: f64,
+    tall: f64,
+    towers: Vec<f64>,
+}
+
+fn census(plan: &CityPlan) -> Census {
+    let mut out = Census { built: 0.0, tall: 0.0, towers: Vec::new() };
+    let all: Vec<&BuildingPlan> =
+        plan.blocks.iter().flat_map(|(_, b)| b.buildings.iter().map(|(_, b)| &b.plan)).collect();
+    let masses: Vec<(Vec<DVec2>, (DVec2, DVec2), f64)> = all
+        .iter()
+        .flat_map(|b| b.masses.iter().map(|m| (b.world_outline(m), m.roof_m)))
+        .map(|(o, h)| (o.clone(), polygon::bounds(&o), h))
+        .collect();
+    let step = 3.0;
+    let n = (2.0 * FRAME_HALF_M / step) as i64;
+    for j in 0..n {
+        for i in 0..n {
+            let p = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) * step - DVec2::splat(FRAME_HALF_M);
+            let top = masses
+                .iter()
+                .filter(|(_, (low, high), _)| p.cmpge(*low).all() && p.cmple(*high).all())
+                .filter(|(o, _, _)| polygon::contains(o, p))
+                .map(|m| m.2)
+                .fold(0.0, f64::max);
+            out.built += f64::from(u8::from(top > 0.0));
+            out.tall += f64::from(u8::from(top > 60.0));
+        }
+    }
+    out.built /= (n * n) as f64;
+    out.tall /= (n * n) as f64;
+    for b in all {
+        if b.centre_m.abs().max_element() < FRAME_HALF_M && b.roof_m() > 60.0 {
+            out.towers.push(b.roof_m());
+        }
+    }
+    out.towers.sort_by(f64::total_cmp);
+    out
+}
+
+#[test]
+fn the_core_has_the_citys_cover_and_heights() {
+    let mut faults = Vec::new();
+    for seed in 0..8 {
+        let c = census(&planned(seed, Variant::Core));
+        let median = c.towers[c.towers.len() / 2];
+        let line = format!(
+            "seed {seed}: built {:.3} tall {:.3} towers {} median {median:.0}",
+            c.built,
+            c.tall,
+            c.towers.len()
+        );
+        eprintln!("{line}");
+        let sound = (0.45..=0.60).contains(&c.built)
+            && (0.05..=0.12).contains(&c.tall)
+            && (25..=45).contains(&c.towers.len())
+            && (110.0..=140.0).contains(&median);
+        if !sound {
+            faults.push(line);
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn midtown_is_lower_than_the_core_and_still_a_city() {
+    for seed in 0..3 {
+        let (core, mid) = (census(&planned(seed, Variant::Core)), census(&planned(seed, Variant::Midtown)));
+        eprintln!("seed {seed}: built {:.3} tall {:.3} towers {}", mid.built, mid.tall, mid.towers.len());
+        assert!(mid.towers.len() * 2 < core.towers.len() && !mid.towers.is_empty());
+        assert!((0.3..0.6).contains(&mid.built), "{}", mid.built);
+    }
+}
+
+#[test]
+fn one_tree_more_moves_no_house() {
+    let city = SeedPath::root("toronto", 4).child("core");
+    let plan = |trees, vehicles| {
+        let params = Params { radius_m: 60.0, trees, vehicles, ..Params::default() };
+        let plan = assemble::plan(&params, &city);
+        let houses: Vec<_> = plan.blocks.into_iter().flat_map(|(_, b)| b.buildings).collect();
+        houses
+    };
+    assert!(plan(1.0, 1.0) == plan(2.0, 0.3));
+}
+
+#[test]
+fn the_scene_holds_what_its_bound_says() {
+    for radius_m in [60.0, 200.0] {
+        let params = Params { radius_m, ..Params::default() };
+        let scene = build(&params, SeedPath::root("toronto", 6));
+        let (held, placed) = scene.triangle_counts();
+        // A triangle with its three corners, texture coordinates and share of a tree takes less than 200 bytes; the
+        // triangulation of the ground and the plan go when the scene stands.
+        let bytes = held * 200 + scene.instances.len() * 400;
+        eprintln!("{radius_m}: {held} held, {placed} placed, {} instances", scene.instances.len());
+        assert!((bytes as u64) < params.memory_bound_bytes(), "{bytes}");
+    }
+}
+
+#[test]
+fn same_scene_with_one_and_two_threads() {
+    let hash = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| build(&small(), SeedPath::root("toronto", 3)).hash())
+    };
+    assert_eq!(hash(1), hash(2));
+}
+
+#[test]
+fn a_scene_is_legal_and_within_its_bounds() {
+    for seed in 0..3 {
+        let params = Params { radius_m: 120.0, ..Params::default() };
+        let scene = build(&params, SeedPath::root("toronto", seed));
+        scene.validate().unwrap();
+        let [low, high] = params.height_bounds_m();
+        for i in &scene.instances {
+            for p in &scene.meshes[i.mesh as usize].positions_m {
+                let z = i.world_from_object.transform_point3(DVec3::from_array(p.map(f64::from))).z;
+                assert!((low..=high).contains(&z), "{}: {z}", scene.objects[i.object as usize].path);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_ground_has_no_crack_and_no_t_junction() {
+    for seed in 0..3 {
+        let params = Params { radius_m: 250.0, ..Params::default() };
+        let city = SeedPath::root("toronto", seed).child("core");
+        let ground = assemble::ground(&params, &assemble::plan(&params, &city));
+        assert_eq!(ground.crossings, 0, "seed {seed}");
+        let m = &ground.mesh;
+        m.validate().unwrap();
+        let bits = |v: u32| m.positions_m[v as usize].map(f32::to_bits);
+        let mut edges: BTreeMap<([u32; 3], [u32; 3]), [u32; 2]> = BTreeMap::new();
+        for t in &m.triangles {
+            for k in 0..3 {
+                let (a, b) = (bits(t[k]), bits(t[(k + 1) % 3]));
+                let (key, way) = if a < b { ((a, b), 0) } else { ((b, a), 1) };
+                edges.entry(key).or_default()[way] += 1;
+            }
+        }
+        let border = |p: [u32; 3]| p.iter().take(2).any(|x| f32::from_bits(*x).abs() == 2400.0);
+        for ((a, b), count) in edges {
+            if border(a) && border(b) && count != [1, 1] {
+                continue;
+            }
+            assert_eq!(count, [1, 1], "{:?} {:?}", a.map(f32::from_bits), b.map(f32::from_bits));
+        }
+    }
+}
+
+#[test]
+fn no_building_floats_and_all_are_closed() {
+    for (seed, variant) in [(1, Variant::Core), (2, Variant::Midtown)] {
+        let plan = planned(seed, variant);
+        let mut kinds = BTreeMap::new();
+        for (name, building) in plan.blocks.iter().flat_map(|(_, b)| &b.buildings) {
+            let b = &building.plan;
+            let mesh = buildings::mesh(b, Detail::Full);
+            assert_eq!((mesh.validate(), open_edges(&mesh)), (Ok(()), 0), "{name}");
+            let base = b.ground_m + f64::from(mesh.positions_m.iter().map(|p| p[2]).fold(f32::MAX, f32::min));
+            for mass in b.masses.iter().filter(|m| m.low_m < 0.0) {
+                let outline = polygon::subdivided(&b.world_outline(mass), 2.0);
+                let lowest = outline.iter().map(|p| plan.relief.height_m(*p)).fold(f64::MAX, f64::min);
+                assert!(base <= lowest - 0.5 && b.ground_m + mass.low_m <= lowest - 0.5, "{name}");
+            }
+            assert!(b.masses[0].low_m < 0.0, "{name} has no foot");
+            *kinds.entry(format!("{:?}", building.kind)).or_insert(0) += 1;
+        }
+        assert!(kinds.len() >= 5, "{kinds:?}");
+    }
+}

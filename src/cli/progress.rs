@@ -1,0 +1,84 @@
+//! How far a run is: pairs, rays a second, time left. On a terminal only.
+
+use super::output::bytes_text;
+use indicatif::{ProgressBar, ProgressStyle};
+use satseed::pipeline::Event;
+use satseed::plan::Estimate;
+use std::io::{self, IsTerminal as _, Write as _};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// The progress of one run.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    started: Instant,
+    rays: AtomicU64,
+    scene: Mutex<String>,
+}
+
+impl Progress {
+    /// Tells what the run may take, and begins to count.
+    pub(crate) fn new(cost: &Estimate) -> Self {
+        let bar = if io::stderr().is_terminal() { ProgressBar::no_length() } else { ProgressBar::hidden() };
+        let style = ProgressStyle::with_template("{spinner} [{bar:30}] {pos}/{len} pairs, {eta} left  {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+        let progress = Self { bar, started: Instant::now(), rays: AtomicU64::new(0), scene: Mutex::new(String::new()) };
+        let (memory, disk) = (bytes_text(cost.memory_bytes), bytes_text(cost.disk_bytes));
+        progress.tell(&format!("memory at most {memory}, disk about {disk}"));
+        progress
+    }
+
+    /// Takes note of what happened.
+    pub(crate) fn report(&self, event: Event<'_>) {
+        match event {
+            Event::Begun { pairs, standing } => {
+                self.bar.set_length(pairs as u64);
+                self.bar.set_position(standing as u64);
+                self.bar.reset_eta();
+                self.bar.enable_steady_tick(Duration::from_millis(200));
+                if standing > 0 {
+                    self.tell(&format!("{standing} of {pairs} pairs stand already"));
+                }
+            }
+            Event::Scene { name } => {
+                tracing::info!("building scene {name}");
+                if let Ok(mut scene) = self.scene.lock() {
+                    name.clone_into(&mut scene);
+                }
+                self.bar.set_message(format!("building {name}"));
+            }
+            Event::Pair { id, rays } => {
+                tracing::debug!("recorded {id}");
+                let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
+                let per_second = rays as f64 / self.started.elapsed().as_secs_f64() / 1e6;
+                let scene = self.scene.lock().map(|s| s.clone()).unwrap_or_default();
+                self.bar.inc(1);
+                self.bar.set_message(format!("{scene}, {per_second:.2} M rays/s"));
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// A sentence for a person at a terminal; a log line otherwise.
+    pub(crate) fn tell(&self, sentence: &str) {
+        if self.bar.is_hidden() {
+            tracing::info!("{sentence}");
+        } else {
+            self.bar.suspend(|| drop(writeln!(io::stderr(), "{sentence}")));
+        }
+    }
+
+    /// The sentence of a run that was stopped: it is said wherever stderr goes.
+    pub(crate) fn stopped(&self) {
+        tracing::warn!(
+            "stopped at a sample's border, {} of {} pairs stand: run the same command again to go on",
+            self.bar.position(),
+            self.bar.length().unwrap_or(0)
+        );
+    }
+}
