@@ -26,7 +26,8 @@ pub const VERSION: u32 = 1;
 pub struct Params {
     /// Radius of full detail around the pivot, m, 60..900.
     pub radius_m: f64,
-    /// Depth from rim to floor, m, 120..220.
+    /// Depth of the river below the cap bed's mean height, m, 120..220; the plateau rises 10 to 30 m above the rim, so that
+    /// the relief of a whole frame is larger by as much.
     pub relief_m: f64,
     /// Roughness of rock and soil below the scale of erosion, 0..2; 1 is nature.
     pub roughness: f64,
