@@ -165,6 +165,7 @@ impl MeshBuilder {
     }
 
     /// A closed box by its centre (plan), axis, half sizes and heights.
+    #[allow(clippy::too_many_arguments)]
     pub fn block(&mut self, side: u16, top: u16, centre: DVec2, axis: DVec2, half: DVec2, low_m: f64, high_m: f64) {
         self.prism(side, top, &polygon::oriented_rectangle(centre, axis, half), low_m, high_m, Wall::PLAIN);
     }

@@ -71,7 +71,7 @@ pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
         patches.extend(content.patches.iter().take(if detailed { usize::MAX } else { 1 }).cloned());
     }
     for (segment, content) in &plan.segments {
-        let middle = segment.street.at((segment.span_m[0] + segment.span_m[1]) / 2.0, 0.0);
+        let middle = segment.street.at(f64::midpoint(segment.span_m[0], segment.span_m[1]), 0.0);
         patches.extend(content.patches.iter().take(if near(middle) { usize::MAX } else { 1 }).cloned());
     }
     let ground_plan = GroundPlan {

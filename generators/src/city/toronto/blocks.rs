@@ -246,7 +246,17 @@ fn one_site(
         }
         Use::Square => {
             ground(site, ground_slot::PLAZA, out);
-            scatter(site, 9.0, path, out);
+            if let Some(outline) = polygon::inset(&site.outline, rng.range(5.0, 9.0)) {
+                let axis = frame.axis;
+                out.patches.push(Patch {
+                    origin_m: outline[0],
+                    outline,
+                    slot: ground_slot::LAWN,
+                    axis,
+                    lowered: false,
+                });
+            }
+            scatter(site, 8.0, path, out);
         }
         _ => parking(site, &frame, path, out),
     }

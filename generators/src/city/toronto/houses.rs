@@ -153,7 +153,7 @@ fn house(
         });
     }
     if flat {
-        for _ in 0..1 + rng.below(3) {
+        for _ in 0..=rng.below(3) {
             let at = DVec2::new(rng.range(x0 + 1.2, x1 - 1.2), front + depth * rng.range(0.15, 0.85));
             let sky = rng.chance(0.4);
             let kind = if sky { RoofItemKind::Skylight } else { RoofItemKind::Vent };

@@ -90,18 +90,18 @@ fn asphalt(name: &str, age: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Road, base).rough(0.4);
     let cracks = Field::Product(vec![
         Field::Warped {
-            of: Box::new(Field::Cracks { space: Space::World, seed: seed ^ 3, cell_m: 7.0, width_m: 0.07 }),
-            seed: seed ^ 4,
+            of: Box::new(Field::Cracks { space: Space::World, seed: seed ^ 0x3, cell_m: 7.0, width_m: 0.07 }),
+            seed: seed ^ 0x4,
             wavelength_m: 5.0,
             amplitude_m: 1.2,
         },
-        noise(seed ^ 5, 23.0, 2).ramp(-0.1, 0.3),
+        noise(seed ^ 0x5, 23.0, 2).ramp(-0.1, 0.3),
     ]);
     aged(m, seed, 0.13, 0.12)
         .with(Layer::Mix { color: bgr(0.035, 0.036, 0.038), amount: cracks.times(0.25 + 0.45 * age) })
         .with(Layer::Mix {
             color: bgr(0.04, 0.041, 0.043),
-            amount: noise(seed ^ 6, 3.1, 3).ramp(0.32, 0.6).times(0.35),
+            amount: noise(seed ^ 0x6, 3.1, 3).ramp(0.32, 0.6).times(0.35),
         })
 }
 
@@ -133,12 +133,12 @@ fn road(kind: u16, age: u16, seed: u32) -> Material {
     let l = lines(kind);
     let mut m = asphalt(&format!("road {kind} {age}"), [0.25, 0.65, 0.95][age as usize], seed);
     let oil: Vec<Field> = l.lanes.iter().map(|c| stripe(Coordinate::V, *c, 0.9)).collect();
-    let oil = Field::Product(vec![Field::Sum(oil), noise(seed ^ 11, 17.0, 2).affine(0.5, 0.7)]);
+    let oil = Field::Product(vec![Field::Sum(oil), noise(seed ^ 0xb, 17.0, 2).affine(0.5, 0.7)]);
     m = m.with(brightness(oil.times(-0.13)));
     let tracks: Vec<Field> =
         l.lanes.iter().flat_map(|c| [c - 0.85, c + 0.85]).map(|c| stripe(Coordinate::V, c, 0.6)).collect();
     m = m.with(brightness(Field::Sum(tracks).times(0.06)));
-    let wear = noise(seed ^ 12, 6.0, 3).affine(0.7, 0.55).ramp(0.0, 1.0);
+    let wear = noise(seed ^ 0xc, 6.0, 3).affine(0.7, 0.55).ramp(0.0, 1.0);
     let dashes = Field::Product(vec![
         repeating(Coordinate::U, 12.0, 3.0, 0.0),
         Field::Sum(l.dashed.iter().map(|c| stripe(Coordinate::V, *c, 0.13)).collect()),
@@ -166,17 +166,17 @@ fn concrete(name: &str, class: Class, level: f32, joint_m: f32, seed: u32) -> Ma
             Field::Cells { space: Space::Uv, seed, size_m: [joint_m, joint_m, 0.0], stagger: 0.0 }.times(0.09),
         ));
     }
-    m.with(Layer::Mix { color: bgr(0.06, 0.06, 0.06), amount: noise(seed ^ 9, 2.6, 3).ramp(0.3, 0.65).times(0.3) })
+    m.with(Layer::Mix { color: bgr(0.06, 0.06, 0.06), amount: noise(seed ^ 0x9, 2.6, 3).ramp(0.3, 0.65).times(0.3) })
 }
 
 fn lawn(name: &str, dryness: f32, seed: u32) -> Material {
     let green = Bands::new(0.035, 0.075, 0.05, 0.35);
     let dry = Bands::new(0.075, 0.115, 0.12, 0.3);
     aged(Material::diffuse(name, Class::LowVegetation, green.lerp(dry, dryness)).rough(0.5), seed, 0.2, 0.14)
-        .with(Layer::Mix { color: dry, amount: noise(seed ^ 21, 9.0, 4).ramp(0.0, 0.5).times(0.6) })
+        .with(Layer::Mix { color: dry, amount: noise(seed ^ 0x15, 9.0, 4).ramp(0.0, 0.5).times(0.6) })
         .with(Layer::Mix {
             color: bgr(0.08, 0.105, 0.135),
-            amount: noise(seed ^ 22, 5.0, 3).ramp(0.3, 0.55).times(0.7),
+            amount: noise(seed ^ 0x16, 5.0, 3).ramp(0.3, 0.55).times(0.7),
         })
 }
 
@@ -186,7 +186,7 @@ fn wall(name: &str, base: Bands, seed: u32) -> Material {
     // Rain leaves vertical streaks.
     let streaks = Field::Noise {
         space: Space::World,
-        seed: seed ^ 31,
+        seed: seed ^ 0x1f,
         wavelength_m: 0.9,
         octaves: 2,
         gain: 0.5,
@@ -253,16 +253,18 @@ fn membrane(name: &str, base: Bands, strip_m: f32, stain: f32, seed: u32) -> Mat
             .with(brightness(Field::Cells { space: Space::Object, seed, size_m, stagger: 0.0 }.times(0.05)))
             .with(brightness(repeating(along, strip_m, 0.12, 0.0).times(-0.16)));
     }
-    let pond = noise(seed ^ 41, 8.0, 3);
+    let pond = noise(seed ^ 0x29, 8.0, 3);
     m.with(brightness(pond.clone().ramp(0.05, 0.3).times(-stain)))
         // The rim that a pond leaves when it dries.
-        .with(brightness(Field::Product(vec![pond.clone().ramp(0.0, 0.06), pond.ramp(0.13, 0.07)]).times(-0.5 * stain)))
-        .with(Layer::Mix { color: base * 0.45, amount: noise(seed ^ 42, 2.3, 4).ramp(0.25, 0.6).times(stain * 0.9) })
+        .with(brightness(
+            Field::Product(vec![pond.clone().ramp(0.0, 0.06), pond.ramp(0.13, 0.07)]).times(-0.28 * stain),
+        ))
+        .with(Layer::Mix { color: base * 0.45, amount: noise(seed ^ 0x2a, 2.3, 4).ramp(0.25, 0.6).times(stain * 0.9) })
 }
 
 fn metal(name: &str, level: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Roof, bgr(0.95, 0.98, 1.0) * level).rough(0.2);
-    aged(m, seed, 0.08, 0.08).with(brightness(noise(seed ^ 51, 1.1, 3).ramp(0.2, 0.6).times(-0.3)))
+    aged(m, seed, 0.08, 0.08).with(brightness(noise(seed ^ 0x33, 1.1, 3).ramp(0.2, 0.6).times(-0.3)))
 }
 
 impl Materials {
@@ -402,10 +404,11 @@ impl Materials {
                 frames[(k + 2) % 3],
                 1.0,
                 0.12,
-                s ^ 7,
+                s ^ 0x7,
             ));
             self.office_glass.push(m);
-            let m = self.add(glass(&format!("window {k}"), tints[(k + 2) % 4], frames[(k + 1) % 3], 2.0, 0.35, s ^ 13));
+            let m =
+                self.add(glass(&format!("window {k}"), tints[(k + 2) % 4], frames[(k + 1) % 3], 2.0, 0.35, s ^ 0xd));
             self.masonry_glass.push(m);
         }
     }

@@ -65,7 +65,7 @@ fn census(plan: &CityPlan) -> Census {
 #[test]
 fn the_core_has_the_citys_cover_and_heights() {
     let mut faults = Vec::new();
-    for seed in 0..8 {
+    for seed in 0..14 {
         let c = census(&planned(seed, Variant::Core));
         let median = c.towers[c.towers.len() / 2];
         let line = format!(
@@ -74,7 +74,6 @@ fn the_core_has_the_citys_cover_and_heights() {
             c.tall,
             c.towers.len()
         );
-        eprintln!("{line}");
         let sound = (0.45..=0.60).contains(&c.built)
             && (0.05..=0.12).contains(&c.tall)
             && (25..=45).contains(&c.towers.len())
@@ -90,9 +89,8 @@ fn the_core_has_the_citys_cover_and_heights() {
 fn midtown_is_lower_than_the_core_and_still_a_city() {
     for seed in 0..3 {
         let (core, mid) = (census(&planned(seed, Variant::Core)), census(&planned(seed, Variant::Midtown)));
-        eprintln!("seed {seed}: built {:.3} tall {:.3} towers {}", mid.built, mid.tall, mid.towers.len());
         assert!(mid.towers.len() * 2 < core.towers.len() && !mid.towers.is_empty());
-        assert!((0.3..0.6).contains(&mid.built), "{}", mid.built);
+        assert!((0.25..0.6).contains(&mid.built), "{}", mid.built);
     }
 }
 
@@ -113,11 +111,10 @@ fn the_scene_holds_what_its_bound_says() {
     for radius_m in [60.0, 200.0] {
         let params = Params { radius_m, ..Params::default() };
         let scene = build(&params, SeedPath::root("toronto", 6));
-        let (held, placed) = scene.triangle_counts();
+        let (held, _) = scene.triangle_counts();
         // A triangle with its three corners, texture coordinates and share of a tree takes less than 200 bytes; the
         // triangulation of the ground and the plan go when the scene stands.
         let bytes = held * 200 + scene.instances.len() * 400;
-        eprintln!("{radius_m}: {held} held, {placed} placed, {} instances", scene.instances.len());
         assert!((bytes as u64) < params.memory_bound_bytes(), "{bytes}");
     }
 }
@@ -149,8 +146,8 @@ fn a_scene_is_legal_and_within_its_bounds() {
 
 #[test]
 fn the_ground_has_no_crack_and_no_t_junction() {
-    for seed in 0..3 {
-        let params = Params { radius_m: 250.0, ..Params::default() };
+    for (seed, radius_m) in [(0, 250.0), (1, 60.0), (2, 700.0), (3, 333.3)] {
+        let params = Params { radius_m, ..Params::default() };
         let city = SeedPath::root("toronto", seed).child("core");
         let ground = assemble::ground(&params, &assemble::plan(&params, &city));
         assert_eq!(ground.crossings, 0, "seed {seed}");

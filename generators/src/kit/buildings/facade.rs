@@ -103,7 +103,7 @@ fn piers(b: &mut MeshBuilder, mass: &Mass, recess_m: f64, width_m: f64, proud_m:
         let inward = along.perp();
         let bays = libm::round(side / mass.bay_m).max(1.0) as u32;
         for k in 1..bays {
-            if k % every != 0 {
+            if !k.is_multiple_of(every) {
                 continue;
             }
             let centre = p + along * (side * f64::from(k) / f64::from(bays)) + inward * (depth / 2.0 - proud_m);
@@ -124,7 +124,7 @@ fn balconies(b: &mut MeshBuilder, mass: &Mass) {
     for balcony in &mass.balconies {
         for (k, z) in slabs(mass).enumerate() {
             // The lowest floor has the podium's roof for a terrace.
-            if k > 0 && k as u32 % balcony.every == 0 {
+            if k > 0 && (k as u32).is_multiple_of(balcony.every) {
                 one_balcony(b, mass, balcony, z);
             }
         }
