@@ -219,8 +219,8 @@ fn bridge_over_water() {
         ground_z: -6.25,
         ground_half: GROUND_HALF_M,
         solids: vec![
-            block(-401.25, -41.25, -7.5, 0.0),
-            block(38.75, 402.5, -7.5, 0.0),
+            block(-401.210_937_5, -41.210_937_5, -7.5, 0.0),
+            block(38.769_531_25, 402.5, -7.5, 0.0),
             // The deck runs along the image's columns and stands free.
             block(-3.75, 5.0, 11.25, 12.5),
         ],
