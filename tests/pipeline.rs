@@ -18,7 +18,7 @@ gsd_m = 0.6
 size_px = [64, 48]
 datum = "pivot"
 [acquisition]
-baseline_m = [60.0, 150.0]
+baseline_m = [40.0, 90.0]
 azimuth_deg = [20.0]
 [sensor]
 preset = "worldview3_rgb"

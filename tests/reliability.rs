@@ -1,7 +1,7 @@
 //! Nothing is lost: kills, full disks, signals, second processes, faults, shards, through the program itself.
 //!
 //! The short versions run always; `cargo test -- --ignored` runs the long ones.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Two small scenes of twelve pairs each, with all labels: most of a run is writing.
+/// A small scene of twelve pairs with all labels. (tests/pipeline.rs has two scenes of both regions.)
 const RECIPE: &str = r#"
 seed = 3
 [camera]
@@ -27,12 +27,11 @@ samples_per_pixel = 1
 write = ["disparity_right", "class", "elevation", "instance", "normal", "shadow", "edge"]
 [[scene]]
 toronto = { radius_m = 60.0, trees = 0.0, vehicles = 0.0 }
-pivots = 2
+pivots = 1
 "#;
 
 /// Larger frames: a run that takes long enough to be met in the middle.
-const SLOW: [&str; 3] =
-    ["--set=camera.size_px=[96, 96]", "--set=camera.gsd_m=0.4", "--set=sensor.samples_per_pixel=16"];
+const SLOW: [&str; 3] = ["--set=camera.size_px=[96, 96]", "--set=camera.gsd_m=0.4", "--set=sensor.samples_per_pixel=4"];
 
 type Tree = BTreeMap<PathBuf, Vec<u8>>;
 
@@ -149,7 +148,7 @@ fn kill_and_resume(kills: usize) {
     let started = Instant::now();
     let expected = bench.undisturbed(&[]);
     let whole = started.elapsed();
-    let per_sample = whole / 24;
+    let per_sample = whole / 12;
     let (mut done, mut in_samples, mut rounds) = (0, 0, 0);
     let mut draws = Draws(7);
     while done < kills {
@@ -283,7 +282,7 @@ fn other_plans_and_foreign_files_are_refused() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("more than the 1.0 MB of --max-memory"), "{}", text(&refused.stderr));
     assert!(!small.exists());
-    assert!(succeeds(&mut bench.generate(&small, &["--dry-run"])).stdout.starts_with(b"pairs    24 of 2 scenes"));
+    assert!(succeeds(&mut bench.generate(&small, &["--dry-run"])).stdout.starts_with(b"pairs    12 of 1 scenes"));
     assert!(!small.exists());
 }
 
@@ -328,7 +327,7 @@ fn verify_and_info_tell_the_truth() {
     succeeds(&mut bench.generate(&out, &[]));
     let (code, report) = verify(&out, &["--regenerate", "2"]);
     assert_eq!((code, report["findings"].as_array().unwrap().len()), (0, 0), "{report:#}");
-    assert_eq!(report["samples"], 24);
+    assert_eq!(report["samples"], 12);
 
     let paths: Vec<PathBuf> = tree(&out).into_keys().collect();
     let mut draws = Draws(11);
@@ -360,7 +359,7 @@ fn verify_and_info_tell_the_truth() {
         text(&succeeds(&mut command).stdout)
     };
     let info: serde_json::Value = serde_json::from_str(&satseed(&["info", "--json"])).unwrap();
-    assert_eq!((&info["samples"], &info["scenes"]), (&24.into(), &2.into()));
+    assert_eq!((&info["samples"], &info["scenes"]), (&12.into(), &1.into()));
     let pixels: u64 =
         info["regions"][0]["disparity"]["counts"].as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).sum();
     let hit: f64 = fs::read_to_string(out.join("manifest.jsonl"))
@@ -371,7 +370,7 @@ fn verify_and_info_tell_the_truth() {
         .sum();
     assert_eq!(pixels, (hit * 32.0 * 24.0).round() as u64, "the histogram counts every hit pixel of the left views");
     let table = satseed(&["info"]);
-    assert!(table.contains("toronto/core: 24 samples of 2 scenes") && table.contains("40.0 m"), "{table}");
+    assert!(table.contains("toronto/core: 12 samples of 1 scenes") && table.contains("40.0 m"), "{table}");
 
     // The seed list makes the same scenes again.
     let seeds = bench.out("seeds.txt");
@@ -411,7 +410,7 @@ fn a_full_disk_says_so_and_keeps_what_stands() {
     let expected = bench.undisturbed(&[]);
     // What the tree takes in pages.
     let whole: u64 = expected.values().map(|c| (c.len() as u64).div_ceil(4096) * 4096).sum();
-    for (i, share) in [0.002, 0.05, 0.2, 0.4, 0.6, 0.8, 0.97].into_iter().enumerate() {
+    for (i, share) in [0.002, 0.1, 0.35, 0.7, 0.97].into_iter().enumerate() {
         let size = ((whole as f64 * share) as u64).div_ceil(4096) * 4096;
         let Some(disk) = SmallDisk::mount(bench.out(&format!("disk-{i}")), size) else {
             eprintln!("skipped: a small file system can be mounted by root only");

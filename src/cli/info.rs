@@ -64,7 +64,7 @@ fn write_region(out: &mut dyn Write, region: &RegionSummary) -> io::Result<()> {
     }
 
     writeln!(out, "\n  disparity of hit pixels, left")?;
-    write_histogram(out, &region.disparity, |x| format!("{x:.1} px"))?;
+    write_histogram(out, &region.disparity, |x| format!("{x:.2} px"))?;
     writeln!(out, "\n  samples by occluded share")?;
     write_histogram(out, &region.occlusion, percent)?;
 
