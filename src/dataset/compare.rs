@@ -132,7 +132,7 @@ mod tests {
         let mut other = same();
         let old = {
             let Pixels::Float(d) = &mut other.planes[2].2.pixels else { panic!() };
-            let hit = (30..).find(|i| !d[*i].is_nan()).unwrap();
+            let hit = (30..108).find(|i| !d[*i].is_nan()).unwrap();
             let old = d[hit];
             d[hit] += 0.5;
             (hit, old, d[hit])

@@ -257,7 +257,11 @@ fn trusted_lines(
     let trusted = candidates.into_iter().flatten().find(|text| is_root(text));
     match &manifest {
         None => {
-            findings.push(Finding::new(MANIFEST, Fault::Missing, "the dataset's records are complete, but it is gone"));
+            findings.push(Finding::new(
+                MANIFEST,
+                Fault::Missing,
+                "all samples are recorded, but it is not there: run generate again to write it",
+            ));
         }
         Some(m) if Some(m.as_str()) == trusted => {}
         Some(m) if trusted.is_none() && (*m == joined || *m == from_parts) => {}
@@ -268,7 +272,11 @@ fn trusted_lines(
         }
     }
     match &root {
-        None => findings.push(Finding::new(ROOT_HASH, Fault::Missing, "the manifest's hash is gone")),
+        None => findings.push(Finding::new(
+            ROOT_HASH,
+            Fault::Missing,
+            "the manifest's hash is not there: run generate again to write it",
+        )),
         Some(_) if trusted.is_some() => {}
         Some(_) => findings.push(Finding::new(
             ROOT_HASH,
