@@ -142,20 +142,17 @@ fn prove(name: &str, scene: &Scene, per_side: u32) {
 fn reduced_regions_are_whole() {
     for name in Region::NAMES {
         let scene = reduced(name, 80.0).build(23);
-        if scene.instances.is_empty() {
-            continue; // not built yet
-        }
         prove(name, &scene, 300);
     }
 }
 
 #[test]
-#[ignore = "long: regions at full size"]
+#[ignore = "long: 10^8 rays at regions of full size"]
 fn full_regions_are_whole() {
     for name in Region::NAMES {
         for seed in [1, 2, 3] {
             let scene = Region::by_name(name).expect("registered").build(seed);
-            prove(&format!("{name} {seed}"), &scene, 2500);
+            prove(&format!("{name} {seed}"), &scene, 2048);
         }
     }
 }

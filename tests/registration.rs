@@ -71,7 +71,7 @@ fn misregistration(left: &Grey, right: &Grey, labels: &ViewLabels, shift: DVec2)
             }
         }
     }
-    let (mut a, mut b, mut c, mut p, mut q, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0, 0);
+    let mut samples = Vec::new();
     for v in 3..height - 3 {
         for u in 3..width - 3 {
             if !whole(u, v) {
@@ -81,21 +81,38 @@ fn misregistration(left: &Grey, right: &Grey, labels: &ViewLabels, shift: DVec2)
                 |g: &Grey| DVec2::new(g.at(u + 1, v) - g.at(u - 1, v), g.at(u, v + 1) - g.at(u, v - 1)) / 2.0;
             let g = (gradient(left) + gradient(&warped)) / 2.0;
             let t = warped.at(u, v) - left.at(u, v);
-            // Shadows' borders and glints move; where the two differ by more than noise and blur allow, nothing is told.
-            if !g.is_finite() || !t.is_finite() || g.length() < 2.0 || t.abs() > 25.0 {
-                continue;
+            if g.is_finite() && t.is_finite() && g.length() >= 2.0 {
+                samples.push((g, t));
             }
-            a += g.x * g.x;
-            b += g.x * g.y;
-            c += g.y * g.y;
-            p += g.x * t;
-            q += g.y * t;
-            count += 1;
         }
     }
-    // warped(x) = left(x + s), so t = g . s.
-    let determinant = a * c - b * b;
-    (DVec2::new(c * p - b * q, a * q - b * p) / determinant, count)
+    (robust_shift(&samples), samples.len())
+}
+
+/// The s with t = g . s, by weighted least squares: Tukey's biweight takes what moves between views (glints, mixed
+/// pixels, leaves) out of the sum.
+fn robust_shift(samples: &[(DVec2, f64)]) -> DVec2 {
+    let mut shift = DVec2::ZERO;
+    for _ in 0..12 {
+        let residual = |(g, t): &(DVec2, f64)| t - g.dot(shift);
+        let mut sizes: Vec<f64> = samples.iter().map(|s| residual(s).abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let Some(median) = sizes.get(sizes.len() / 2) else { return DVec2::NAN };
+        let limit = 4.685 * 1.4826 * median.max(0.1);
+        let (mut a, mut b, mut c, mut p, mut q) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for sample in samples {
+            let r = residual(sample) / limit;
+            let w = if r.abs() < 1.0 { (1.0 - r * r) * (1.0 - r * r) } else { 0.0 };
+            let (g, t) = *sample;
+            a += w * g.x * g.x;
+            b += w * g.x * g.y;
+            c += w * g.y * g.y;
+            p += w * g.x * t;
+            q += w * g.y * t;
+        }
+        shift = DVec2::new(c * p - b * q, a * q - b * p) / (a * c - b * b);
+    }
+    shift
 }
 
 fn images(scene: &Scene, rig: &StereoRig, sensor: Sensor, samples: u32, sun: &Environment) -> (Grey, Grey, ViewLabels) {
