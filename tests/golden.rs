@@ -3,6 +3,8 @@
 //! `SATSEED_BLESS=1 cargo test --test golden` writes the files anew and says what changed. A change of bytes needs a
 //! raised generator version and an entry in CHANGELOG.md.
 
+#![allow(clippy::print_stderr)]
+
 use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use satseed::camera::{Datum, RigSpec, StereoRig};

@@ -234,7 +234,7 @@ mod tests {
         }
     }
 
-    /// rho / pi * E * cos(theta), to the disc's own spread; and under the dome alone rho / pi * E_sky in the mean.
+    /// `rho / pi * E * cos(theta)`, to the disc's own spread; and under the dome alone `rho / pi * E_sky` in the mean.
     #[test]
     fn a_lambert_plane_has_its_closed_form() {
         let scene = plane();

@@ -29,7 +29,7 @@ pub(crate) struct Boxes {
     pub(crate) ground_z: f64,
     pub(crate) ground_half: f64,
     /// Lower and upper corners; box k is part k + 1.
-    pub(crate) boxes: Vec<[DVec3; 2]>,
+    pub(crate) solids: Vec<[DVec3; 2]>,
 }
 
 /// Where p + s * d, for s, lies between two planes of each axis: the range of s, and the axis at which it begins.
@@ -63,10 +63,10 @@ impl Bodies for Boxes {
             part: 0,
             normal: DVec3::Z,
         });
-        for (k, b) in self.boxes.iter().enumerate() {
+        for (k, b) in self.solids.iter().enumerate() {
             let Some((enter, _, axis)) = slabs(centre, way, *b) else { continue };
             if best.is_none_or(|s| enter < s.depth_m) {
-                let side = if way[axis] > 0.0 { 0 } else { 1 };
+                let side = usize::from(way[axis] <= 0.0);
                 let mut point = centre + way * enter;
                 point[axis] = b[side][axis];
                 let mut normal = DVec3::ZERO;
@@ -79,7 +79,7 @@ impl Bodies for Boxes {
 
     fn blocked(&self, from: &Surface, centre: DVec3) -> bool {
         // A piece of the line longer than nothing inside a box: 1e-11 of its length is far above rounding.
-        self.boxes.iter().any(|b| {
+        self.solids.iter().any(|b| {
             slabs(from.point, centre - from.point, *b)
                 .is_some_and(|(enter, leave, _)| leave.min(1.0) - enter.max(0.0) > 1e-11)
         })

@@ -65,7 +65,7 @@ pub(crate) fn ground(z: f64, half: f64) -> Mesh {
 pub(crate) fn boxes_scene(bodies: &Boxes, placement: Placement, classes: &[Class]) -> Scene {
     let mut stage = Stage::new();
     placement.add(&mut stage, ground(bodies.ground_z, bodies.ground_half), classes[0]);
-    for (k, b) in bodies.boxes.iter().enumerate() {
+    for (k, b) in bodies.solids.iter().enumerate() {
         placement.add(&mut stage, cuboid(b[0], b[1]), classes[(k + 1).min(classes.len() - 1)]);
     }
     stage.finish()
@@ -78,7 +78,7 @@ pub(crate) fn rigs(placement: Placement, near_feet_m: [f64; 2], far_feet_m: [f64
     let datum_m = 7.3125;
     // Brings the middle of both frames to the origin at the datum's height.
     let centred =
-        |altitude_m: f64, feet: [f64; 2]| (feet[0] + feet[1]) / 2.0 * (altitude_m / 0.3) / (altitude_m - datum_m);
+        |altitude_m: f64, feet: [f64; 2]| f64::midpoint(feet[0], feet[1]) * (altitude_m / 0.3) / (altitude_m - datum_m);
     let near = RigCase {
         altitude_m: 1000.0,
         gsd_m: 0.3,
@@ -153,7 +153,7 @@ pub(crate) fn report(what: &str, t: &Tally) {
 #[test]
 fn plane() {
     for z in [0.0, 31.25, -117.5] {
-        let bodies = Boxes { ground_z: z, ground_half: GROUND_HALF_M, boxes: vec![] };
+        let bodies = Boxes { ground_z: z, ground_half: GROUND_HALF_M, solids: vec![] };
         let t = prove(&format!("plane at {z} m"), &bodies, &[Class::Ground], [-100.0, 100.0], [-61_700.0, 61_700.0]);
         assert!([0, 1, 3].iter().all(|k| t.pixels[*k] > 0), "every case but occlusion occurs: {t:?}");
         assert_eq!(t.pixels[2], 0, "nothing occludes a plane");
@@ -171,7 +171,7 @@ fn box_in_its_cases() {
         ("left edge between, right edge right", [-13.75, 81.25], [-75.0, 25.0], [-123_400.0, 0.0]),
         ("over both", [-81.25, 82.5], [-40.0, 60.0], [-70.0, 123_330.0]),
     ] {
-        let bodies = Boxes { ground_z: 0.0, ground_half: GROUND_HALF_M, boxes: vec![block(x[0], x[1], -1.25, 60.0)] };
+        let bodies = Boxes { ground_z: 0.0, ground_half: GROUND_HALF_M, solids: vec![block(x[0], x[1], -1.25, 60.0)] };
         let t = prove(&format!("box {name}"), &bodies, &[Class::Ground, Class::Facade], near, far);
         assert!(t.pixels.iter().all(|n| *n > 0), "every case occurs: {t:?}");
     }
@@ -183,7 +183,7 @@ fn box_with_ends() {
     let bodies = Boxes {
         ground_z: 0.0,
         ground_half: GROUND_HALF_M,
-        boxes: vec![
+        solids: vec![
             [DVec3::new(-13.75, -11.25, -1.25), DVec3::new(7.5, 16.25, 23.75)],
             [DVec3::new(16.25, -20.0, 5.0), DVec3::new(18.75, -5.0, 6.25)],
         ],
@@ -205,7 +205,7 @@ fn street_canyon() {
     let bodies = Boxes {
         ground_z: 0.0,
         ground_half: GROUND_HALF_M,
-        boxes: vec![block(-60.0, -8.75, -1.25, 75.0), block(11.25, 47.5, -1.25, 31.25)],
+        solids: vec![block(-60.0, -8.75, -1.25, 75.0), block(11.25, 47.5, -1.25, 31.25)],
     };
     for (near, far) in [([-100.0, 100.0], [-61_700.0, 61_700.0]), ([-180.0, -5.0], [-123_400.0, 0.0])] {
         let t = prove("street canyon", &bodies, &[Class::Road, Class::Facade], near, far);
@@ -218,9 +218,9 @@ fn bridge_over_water() {
     let bodies = Boxes {
         ground_z: -6.25,
         ground_half: GROUND_HALF_M,
-        boxes: vec![
-            block(-401.25, -41.25, -7.5, 0.0),
-            block(38.75, 400.0, -7.5, 0.0),
+        solids: vec![
+            block(-401.210_937_5, -41.210_937_5, -7.5, 0.0),
+            block(38.769_531_25, 402.5, -7.5, 0.0),
             // The deck runs along the image's columns and stands free.
             block(-3.75, 5.0, 11.25, 12.5),
         ],
@@ -237,7 +237,7 @@ fn overhang() {
     let bodies = Boxes {
         ground_z: 0.0,
         ground_half: GROUND_HALF_M,
-        boxes: vec![block(-15.0, 16.25, -1.25, 60.0), block(-21.25, 22.5, 60.0, 63.75)],
+        solids: vec![block(-15.0, 16.25, -1.25, 60.0), block(-21.25, 22.5, 60.0, 63.75)],
     };
     // Seen from far to a side, the wall shows below the overhang.
     for (near, far) in [([-240.0, -60.0], [-180_000.0, -56_600.0]), ([80.0, 250.0], [56_600.0, 180_000.0])] {

@@ -65,13 +65,9 @@ impl Form {
         DVec3::new(self.feet_m[view as usize], 0.0, self.altitude_m)
     }
 
-    /// Where a point stands in the other image.
-    pub(crate) fn other_u(&self, view: View, u: f64, disparity_px: f64) -> f64 {
-        if view == View::Left { u - disparity_px } else { u + disparity_px }
-    }
-
+    /// Whether a point that is seen at column `u` lies in the other image.
     pub(crate) fn in_other_frame(&self, view: View, u: f64, disparity_px: f64) -> bool {
-        let other = self.other_u(view, u, disparity_px);
+        let other = if view == View::Left { u - disparity_px } else { u + disparity_px };
         (-0.5..f64::from(self.size_px[0]) - 0.5).contains(&other)
     }
 

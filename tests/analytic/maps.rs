@@ -15,7 +15,7 @@ fn surface_models_of_boxes() {
     let bodies = Boxes {
         ground_z: -6.25,
         ground_half: 3200.0,
-        boxes: vec![
+        solids: vec![
             [DVec3::new(-60.0, -60.0, -7.5), DVec3::new(-30.0, 60.0, 0.0)],
             [DVec3::new(-3.75, -60.0, 11.25), DVec3::new(5.0, 60.0, 12.5)],
             [DVec3::new(-20.0, -10.0, 30.0), DVec3::new(20.0, 5.0, 31.25)],
@@ -34,7 +34,7 @@ fn surface_models_of_boxes() {
                 assert!((world.x - (i as f64 - 58.5) * 0.7).abs() < 1e-9, "cells are centred on the pivot");
                 let p = turn * world.extend(0.0);
                 let mut tops: Vec<f64> = bodies
-                    .boxes
+                    .solids
                     .iter()
                     .filter(|b| p.x > b[0].x && p.x < b[1].x && p.y > b[0].y && p.y < b[1].y)
                     .map(|b| b[1].z)
@@ -58,7 +58,7 @@ fn shadow_of_a_box() {
     let bodies = Boxes {
         ground_z: 0.0,
         ground_half: 3200.0,
-        boxes: vec![[DVec3::new(-30.0, -520.0, -1.25), DVec3::new(28.75, 520.0, 60.0)]],
+        solids: vec![[DVec3::new(-30.0, -520.0, -1.25), DVec3::new(28.75, 520.0, 60.0)]],
     };
     let scene = boxes_scene(&bodies, Placement::Axis, &[Class::Ground, Class::Roof]);
     let tracer = Tracer::new(&scene);

@@ -11,7 +11,7 @@ fn ramps() {
         ("gentle, rising left", 41.25, -38.75, 20.0, [-100.0, 100.0], [-61_700.0, 61_700.0]),
         // Slope 8: hidden from a camera more than altitude / 8 beyond its foot.
         ("steep, rising right", -5.0, 0.0, 40.0, [58.1, 261.3], [10.0, 123_410.0]),
-        ("steep, rising left", 6.25, 1.25, 40.0, [-261.3, -58.1], [-123_410.0, -10.0]),
+        ("steep, rising left", 6.25, 1.25, 40.0, [-261.3, -58.13], [-123_410.0, -10.0]),
     ] {
         let wedge = Wedge { x0, x1, height, ground_half: 3200.0 };
         let mut tally = Tally::default();

@@ -24,8 +24,8 @@ fn paper_rig(feet_m: [f64; 2]) -> RigCase {
     }
 }
 
-fn views(boxes: Vec<[DVec3; 2]>, feet_m: [f64; 2]) -> [ViewLabels; 2] {
-    let bodies = Boxes { ground_z: 0.0, ground_half: 3200.0, boxes };
+fn views(solids: Vec<[DVec3; 2]>, feet_m: [f64; 2]) -> [ViewLabels; 2] {
+    let bodies = Boxes { ground_z: 0.0, ground_half: 3200.0, solids };
     let scene = boxes_scene(&bodies, Placement::Axis, &[Class::Ground, Class::Facade]);
     let tracer = Tracer::new(&scene);
     let rig = paper_rig(feet_m).rig();

@@ -121,7 +121,9 @@ pub(crate) fn compare<C: Candidates + Sync>(
                 row
             })
             .collect();
-        outcomes.into_iter().for_each(|o| total.add(o));
+        for outcome in outcomes {
+            total.add(outcome);
+        }
     }
     total
 }

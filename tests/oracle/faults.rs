@@ -85,7 +85,7 @@ impl Faulty {
 
 /// Moeller and Trumbore's test (1997) in f32, as a picture's tracer would do it.
 fn meets_f32(tri: &Tri, eye: DVec3, way: DVec3) -> Option<f64> {
-    let [a, b, c] = tri.corners.map(|p| p.as_vec3());
+    let [a, b, c] = tri.corners.map(DVec3::as_vec3);
     let (eye, way): (Vec3, Vec3) = (eye.as_vec3(), way.as_vec3());
     let (ab, ac) = (b - a, c - a);
     let p = way.cross(ac);

@@ -85,9 +85,6 @@ fn reduced(name: &str, radius_m: f64) -> Region {
 fn regions_agree_with_the_bin_oracle() {
     for name in Region::NAMES {
         let scene = reduced(name, 80.0).build(41);
-        if scene.instances.is_empty() {
-            continue; // not built yet
-        }
         let total = prove(&format!("{name}, reduced"), &scene, &region_pair(&scene, 192, 1000.0));
         assert_eq!(total.by_validity[0], 0, "{name}: no miss in a planned frame");
     }

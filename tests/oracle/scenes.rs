@@ -44,7 +44,7 @@ fn rig(rng: &mut Rng, altitude_m: f64, gsd_m: f64) -> StereoRig {
         [first, first + baseline]
     };
     let shift = |x: f64| x / gsd_m;
-    let middle = shift((feet_m[0] + feet_m[1]) / 2.0);
+    let middle = shift(f64::midpoint(feet_m[0], feet_m[1]));
     RigCase {
         altitude_m,
         gsd_m,
@@ -171,7 +171,7 @@ fn exact_grid(rng: &mut Rng, altitude_m: f64) -> (Scene, StereoRig) {
         feet_m,
         azimuth_rad: 0.0,
         datum: Datum::Height(0.0),
-        shift_px: [(feet_m[0] + feet_m[1]) / 2.0 / 0.25, 0.0],
+        shift_px: [f64::midpoint(feet_m[0], feet_m[1]) / 0.25, 0.0],
     };
     (stage.finish(), rig.rig())
 }
@@ -287,6 +287,9 @@ pub(crate) fn gaps(rng: &mut Rng, altitude_m: f64) -> (Scene, StereoRig) {
     (stage.finish(), rig(rng, altitude_m, 2e-6))
 }
 
+/// Tiles along a side of [`town`]'s terrain.
+const TILES: u32 = 4;
+
 /// A piece of country: tiled terrain with bit-equal borders, trees as instances of one mesh, turned boxes, about
 /// `cells`^2 * 2 triangles of terrain around the origin.
 pub(crate) fn town(seed: u64, cells: u32, cell_m: f64, things: u32) -> Scene {
@@ -298,7 +301,6 @@ pub(crate) fn town(seed: u64, cells: u32, cell_m: f64, things: u32) -> Scene {
         let at = |wave: f64| f64::from(gradient_noise_2d(x / wave, y / wave, noise));
         25.0 * at(90.0) + 6.0 * at(17.0) + 0.4 * at(2.3)
     };
-    const TILES: u32 = 4;
     let side = f64::from(cells / TILES) * cell_m;
     for j in 0..TILES {
         for i in 0..TILES {

@@ -48,7 +48,7 @@ impl Stage {
     }
 }
 
-/// The columns e_u, -e_v, up: takes (along the baseline, image up, up) to the world.
+/// The columns `e_u`, `-e_v`, up: takes (along the baseline, image up, up) to the world.
 pub(crate) fn world_from_baseline(azimuth_rad: f64) -> DMat3 {
     let (sin, cos) = libm::sincos(azimuth_rad);
     DMat3::from_cols(DVec3::new(sin, cos, 0.0), DVec3::new(-cos, sin, 0.0), DVec3::Z)

@@ -132,7 +132,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
     let bedding = Field::Sum(vec![
         Field::Along(Coordinate::HEIGHT),
         raster(raster::FOLD).affine(-2.0 * FOLD_LIMIT_M as f32, FOLD_LIMIT_M as f32),
-        noise("bedding", 9.0, 2).times(0.4),
+        noise("bedding", 5.0, 3).times(0.75),
     ]);
     let level = || Field::Upward.ramp(0.82, 0.95);
     let streaks = Field::Noise {
@@ -220,18 +220,18 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
             amount: raster(raster::HUE).affine(0.2 * k, -0.1 * k),
         })
         .with(Layer::Brightness {
-            amount: raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { -0.10 } else { -0.36 }),
+            amount: raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { 0.14 } else { -0.36 }),
         })
         .bumpy(
             Field::Noise {
                 space: Space::World,
                 seed: seed("bump"),
-                wavelength_m: 2.4,
+                wavelength_m: 1.7,
                 octaves: 2,
-                gain: 0.6,
+                gain: 0.8,
                 stretch: [1.0; 3],
             },
-            0.20,
+            0.09,
         );
     let as_class = |name: &str, class: Class| Material { name: name.to_owned(), class, ..bare.clone() };
     let water = Material {

@@ -241,7 +241,7 @@ impl<'a> Relief<'a> {
             let base = self.strata.base_m(bed);
             let above = (height - base) / (self.strata.beds[bed].top_m - base);
             let chute = libm::log10(f64::from(self.worn.area_m2.data[p]) / 8.0).clamp(0.0, 2.0) * 0.22;
-            let supply = 0.12 + 0.9 * fractal(at, self.seeds.scree, 70.0, 3, 0.5) + chute;
+            let supply = 0.22 + 0.9 * fractal(at, self.seeds.scree, 70.0, 3, 0.5) + chute;
             if above < supply {
                 apexes.push(Apex {
                     at_m: at,

@@ -16,7 +16,7 @@ use satseed_scene::{
 const VARIANTS: usize = 14;
 /// Side of the cells in which at most one thing of each kind is placed, m.
 const SHRUB_CELL_M: f64 = 2.0;
-const BLOCK_CELL_M: f64 = 3.0;
+const BLOCK_CELL_M: f64 = 2.0;
 
 /// A kind of thing: where it may stand, and what stands there.
 struct Placed {
@@ -131,7 +131,7 @@ fn block_at(
     let scale = DVec3::new(1.0, rng.range(0.75, 1.1), rng.range(0.8, 1.3)) * size;
     // Its lowest points reach below the lowest ground around it.
     let base = lowest(relief, p, 0.5 * size);
-    let z = (base + 0.12 * size).min(relief.height_m(p) + 0.2 * size);
+    let z = (base + 0.02 * size).min(relief.height_m(p) + 0.15 * size);
     let at_m = p.extend(z);
     Some(Placed {
         at_m,

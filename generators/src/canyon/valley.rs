@@ -178,7 +178,7 @@ struct Eroded {
 fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded {
     let seed = path.hash_u32();
     let mut rng = path.rng();
-    let reach = rng.range(0.85, 1.5);
+    let reach = rng.range(1.4, 2.4);
     let grid = |cell: f64| {
         let n = (2.0 * DOMAIN_M / cell) as usize;
         Raster::filled(DVec2::splat(cell / 2.0 - DOMAIN_M), cell, n, n, 0.0_f32)
@@ -195,7 +195,7 @@ fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded
     }
     let mut result = None;
     // (cell, steps, share of the whole incision)
-    for (cell, steps, share) in [(16.0, 40, 0.8), (8.0, 14, 0.2)] {
+    for (cell, steps, share) in [(16.0, 30, 0.8), (8.0, 9, 0.2)] {
         if z.cell_m != cell {
             let mut fine = grid(cell);
             for j in 0..fine.height {

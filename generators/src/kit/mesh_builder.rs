@@ -101,6 +101,7 @@ impl MeshBuilder {
 
     /// The vertical band along an outline between two heights, looking outward (`inward`: looking to the inside).
     pub fn band(&mut self, slot: u16, outline: &[DVec2], low_m: f64, high_m: f64, wall: Wall, inward: bool) {
+        debug_assert!(polygon::area(outline) > 0.0 && low_m < high_m, "a solid turned inside out");
         let mut u = 0.0;
         for i in 0..outline.len() {
             let (a, b) = (outline[i], outline[(i + 1) % outline.len()]);
@@ -164,12 +165,14 @@ impl MeshBuilder {
     }
 
     /// A closed box by its centre (plan), axis, half sizes and heights.
+    #[allow(clippy::too_many_arguments)]
     pub fn block(&mut self, side: u16, top: u16, centre: DVec2, axis: DVec2, half: DVec2, low_m: f64, high_m: f64) {
         self.prism(side, top, &polygon::oriented_rectangle(centre, axis, half), low_m, high_m, Wall::PLAIN);
     }
 
     /// A closed frustum between two outlines with as many corners each, at two heights.
     pub fn frustum(&mut self, side: u16, cap: u16, lower: &[DVec2], upper: &[DVec2], low_m: f64, high_m: f64) {
+        debug_assert!(polygon::area(lower) > 0.0 && low_m < high_m, "a solid turned inside out");
         let mut u = 0.0;
         for i in 0..lower.len() {
             let j = (i + 1) % lower.len();

@@ -48,7 +48,7 @@ fn leaf(mesh: &mut Mesh, middle: DVec3, size: f64, rng: &mut Rng) {
     push(mesh, &corners, &[[0, 1, 2], [0, 2, 3]], LEAF_SLOT);
 }
 
-/// A three-sided stem from below the ground to a lump's middle.
+/// A three-sided stem from below the ground to a lump's middle, closed on top: else its inside is seen from above.
 fn stem(mesh: &mut Mesh, top: DVec3, rng: &mut Rng) {
     let foot = DVec3::new(top.x * 0.25, top.y * 0.25, -ROOT);
     let thick = rng.range(0.012, 0.022);
@@ -64,7 +64,7 @@ fn stem(mesh: &mut Mesh, top: DVec3, rng: &mut Rng) {
         top + side(1.0) * 0.5,
         top + side(2.0) * 0.5,
     ];
-    push(mesh, &corners, &[[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]], STEM_SLOT);
+    push(mesh, &corners, &[[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5], [3, 4, 5]], STEM_SLOT);
 }
 
 fn push(mesh: &mut Mesh, corners: &[DVec3], triangles: &[[u32; 3]], slot: u16) {

@@ -184,7 +184,7 @@ impl StreetPlan {
                         (ends[1], ends[0], &other[j], &other[j - 1])
                     };
                     let span_m = [low + before.section.roadway_m / 2.0, high - after.section.roadway_m / 2.0];
-                    if s.at((span_m[0] + span_m[1]) / 2.0, 0.0).length() <= reach_m {
+                    if s.at(f64::midpoint(span_m[0], span_m[1]), 0.0).length() <= reach_m {
                         let index = [f as i64, self.first[f] + i as i64, self.first[1 - f] + j as i64];
                         out.push(Segment { index, street: *s, span_m });
                     }

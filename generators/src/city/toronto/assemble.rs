@@ -71,7 +71,7 @@ pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
         patches.extend(content.patches.iter().take(if detailed { usize::MAX } else { 1 }).cloned());
     }
     for (segment, content) in &plan.segments {
-        let middle = segment.street.at((segment.span_m[0] + segment.span_m[1]) / 2.0, 0.0);
+        let middle = segment.street.at(f64::midpoint(segment.span_m[0], segment.span_m[1]), 0.0);
         patches.extend(content.patches.iter().take(if near(middle) { usize::MAX } else { 1 }).cloned());
     }
     let ground_plan = GroundPlan {
@@ -150,6 +150,9 @@ fn buildings_of(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
     }
 }
 
+/// Trees may overhang what is lower than this, m: fences.
+const FENCE_M: f64 = 2.2;
+
 /// World outlines of what stands on the ground, in bins, so that nothing grows through a building.
 struct Occupied {
     outlines: Vec<Vec<DVec2>>,
@@ -162,7 +165,12 @@ impl Occupied {
             .buildings
             .iter()
             .flat_map(|(_, b)| {
-                b.plan.masses.iter().filter(|m| m.low_m < 0.0).map(|m| b.plan.world_outline(m)).collect::<Vec<_>>()
+                b.plan
+                    .masses
+                    .iter()
+                    .filter(|m| m.low_m < 0.0 && m.roof_m > FENCE_M)
+                    .map(|m| b.plan.world_outline(m))
+                    .collect::<Vec<_>>()
             })
             .collect();
         let bounds = outlines.iter().map(|o| polygon::bounds(o)).collect();
@@ -196,7 +204,7 @@ fn vegetation(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
             _ => [0.25, 0.35, 0.35, 0.05],
         };
         for (k, p) in content.trees.iter().enumerate() {
-            let room = if occupied.free(*p, 3.2) { 1.0 } else { 0.55 };
+            let room = if occupied.free(*p, 3.4) { 1.15 } else { 0.6 };
             if occupied.free(*p, 1.4) {
                 places.push((*p, format!("block/{}/{}/tree/{k}", block.index[0], block.index[1]), weights, room));
             }
@@ -205,7 +213,7 @@ fn vegetation(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
     for (segment, content) in &plan.segments {
         let [f, i, j] = segment.index;
         for (k, p) in content.trees.iter().enumerate() {
-            places.push((*p, format!("street/{f}/{i}/{j}/tree/{k}"), [0.3, 0.4, 0.3, 0.0], 0.85));
+            places.push((*p, format!("street/{f}/{i}/{j}/tree/{k}"), [0.34, 0.42, 0.24, 0.0], 1.0));
         }
     }
     for (p, name, weights, room) in places {
@@ -219,7 +227,7 @@ fn vegetation(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
         }
         let species = rng.weighted(&weights);
         let mesh = meshes[species][rng.below(INDIVIDUALS) as usize];
-        let scale = room * rng.range(0.68, 1.25);
+        let scale = room * rng.range(0.75, 1.3);
         let yaw = DQuat::from_rotation_z(rng.range(0.0, core::f64::consts::TAU));
         let lean = DQuat::from_axis_angle(DVec3::X, rng.signed() * 0.05);
         let at = p.extend(plan.relief.height_m(p));

@@ -4,7 +4,7 @@
 //! (Roberts 2018, the R2 sequence, from a random start): neighbours differ, and every frame of a few hundred metres has
 //! about the share of towers that the whole city has.
 
-use super::houses;
+use super::houses::{self, Yard};
 use super::massing::{self, Building, Frame, Relief};
 use super::{Params, Variant, ground_slot};
 use crate::kit::ground::Patch;
@@ -71,8 +71,8 @@ fn character(params: &Params, block: &Block, city: &SeedPath) -> Character {
     let start = city.child("character").rng().unit();
     let u = spread(start, i, j);
     let limits = match params.variant {
-        Variant::Core => [0.46, 0.60, 0.90, 0.97],
-        Variant::Midtown => [0.10, 0.12, 0.47, 0.95],
+        Variant::Core => [0.56, 0.72, 0.93, 0.98],
+        Variant::Midtown => [0.06, 0.08, 0.48, 0.95],
     };
     let order = [Character::Towers, Character::Offices, Character::Mixed, Character::Rows, Character::Park];
     order[limits.iter().take_while(|l| u >= **l).count()]
@@ -157,13 +157,14 @@ fn draw_use(params: &Params, character: Character, site: &Site, rng: &mut Rng) -
     let options =
         [Use::Condo, Use::Office, Use::MidRise, Use::Rows, Use::Shop, Use::Parking, Use::Cleared, Use::Square];
     let mut weights = match (character, wide) {
-        (Character::Towers, true) => [0.66, 0.03, 0.15, 0.03, 0.04, 0.03, 0.04, 0.02],
-        (Character::Offices, true) => [0.06, 0.64, 0.14, 0.0, 0.04, 0.03, 0.03, 0.06],
+        (Character::Towers, true) => [0.78, 0.02, 0.11, 0.01, 0.03, 0.02, 0.02, 0.01],
+        (Character::Offices, true) => [0.06, 0.72, 0.12, 0.0, 0.02, 0.02, 0.02, 0.04],
         (Character::Rows, _) => [0.0, 0.0, 0.08, 0.78, 0.07, 0.05, 0.01, 0.01],
-        (_, true) => [0.24, 0.04, 0.34, 0.14, 0.12, 0.06, 0.04, 0.02],
+        (_, true) => [0.36, 0.05, 0.32, 0.08, 0.1, 0.05, 0.02, 0.02],
         (_, false) => [0.0, 0.0, 0.46, 0.16, 0.32, 0.04, 0.01, 0.01],
     };
     if params.variant == Variant::Midtown {
+        weights[0] *= 0.45;
         weights[1] *= 0.3;
         weights[3] *= 1.6;
     }
@@ -218,16 +219,23 @@ fn one_site(
                 out.buildings.push((name(&format!("house/{k}")), b));
             }
             let mut rng = path.child("yards").rng();
-            for (outline, front) in row.yards {
-                let slot = match rng.weighted(&[0.5, 0.25, 0.25]) {
-                    0 => ground_slot::LAWN,
-                    1 => ground_slot::YARD,
-                    _ => ground_slot::PAVING,
+            for (outline, kind) in row.yards {
+                let paved = [ground_slot::PAVING, ground_slot::PAVING_DARK, ground_slot::PLAZA];
+                let slot = match kind {
+                    Yard::Patio => *rng.pick(&paved),
+                    Yard::Front => {
+                        [ground_slot::LAWN, ground_slot::YARD, ground_slot::PAVING][rng.weighted(&[0.5, 0.2, 0.3])]
+                    }
+                    Yard::Rear => [ground_slot::LAWN, ground_slot::YARD, ground_slot::PAVING_DARK]
+                        [rng.weighted(&[0.5, 0.38, 0.12])],
                 };
                 let (low, high) = polygon::bounds(&outline);
-                let at = DVec2::new(rng.range(low.x, high.x), rng.range(low.y, high.y));
-                if polygon::contains(&outline, at) && rng.chance(if front { 0.3 } else { 0.75 }) {
-                    out.trees.push(at);
+                let tries = if kind == Yard::Rear { 7 } else { 1 };
+                for _ in 0..tries {
+                    let at = DVec2::new(rng.range(low.x, high.x), rng.range(low.y, high.y));
+                    if polygon::contains(&outline, at) && rng.chance(0.5) {
+                        out.trees.push(at);
+                    }
                 }
                 out.patches.push(Patch { origin_m: outline[0], outline, slot, axis: frame.axis, lowered: false });
             }
@@ -238,7 +246,17 @@ fn one_site(
         }
         Use::Square => {
             ground(site, ground_slot::PLAZA, out);
-            scatter(site, 9.0, path, out);
+            if let Some(outline) = polygon::inset(&site.outline, rng.range(5.0, 9.0)) {
+                let axis = frame.axis;
+                out.patches.push(Patch {
+                    origin_m: outline[0],
+                    outline,
+                    slot: ground_slot::LAWN,
+                    axis,
+                    lowered: false,
+                });
+            }
+            scatter(site, 8.0, path, out);
         }
         _ => parking(site, &frame, path, out),
     }
@@ -258,7 +276,7 @@ fn ground(site: &Site, slot: u16, out: &mut BlockPlan) {
 fn court(site: &Site, path: &SeedPath, out: &mut BlockPlan) {
     let mut rng = path.child("court").rng();
     let (low, high) = polygon::bounds(&site.outline);
-    for _ in 0..10 {
+    for _ in 0..22 {
         let p = DVec2::new(rng.range(low.x, high.x), rng.range(low.y, high.y));
         if polygon::contains(&site.outline, p) && polygon::border_distance(&site.outline, p) > 1.5 && rng.chance(0.5) {
             out.trees.push(p);
@@ -303,7 +321,8 @@ fn tower(
     let start = city.child("height").rng().unit();
     let u = spread(start + 0.618_033_988_749_895 * towers.len() as f64, i, j);
     let jitter = path.child("height").rng().signed() * 0.03;
-    let height_m = massing::tower_height_m((u + jitter).clamp(0.002, 0.998));
+    // The quantile is of the whole height; the mechanical floor on top takes its share.
+    let height_m = massing::tower_height_m((u + jitter).clamp(0.002, 0.998)) - massing::PENTHOUSE_M;
     let building = if office {
         massing::office(site, place, height_m, relief, path)
     } else {

@@ -7,13 +7,24 @@ use crate::kit::polygon;
 use glam::DVec2;
 use satseed_scene::{Rng, SeedPath};
 
+/// A piece of open ground by a house.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Yard {
+    /// Towards the street.
+    Front,
+    /// Paved, behind the house.
+    Patio,
+    /// The rest behind the house.
+    Rear,
+}
+
 /// What a row leaves on the ground.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Row {
     /// Houses and garages.
     pub buildings: Vec<Building>,
-    /// Front and rear yards, world outlines; true for a front yard.
-    pub yards: Vec<(Vec<DVec2>, bool)>,
+    /// Yards, world outlines.
+    pub yards: Vec<(Vec<DVec2>, Yard)>,
 }
 
 /// Fills a site with a row of houses.
@@ -61,7 +72,7 @@ impl Style {
         Self {
             storeys: 2.0 + rng.weighted(&[0.35, 0.5, 0.15]) as f64 * 0.999,
             storey_m: rng.range(3.0, 3.4),
-            depth_m: rng.range(11.0, 15.0),
+            depth_m: rng.range(12.0, 18.0),
             flat: rng.chance(0.5),
             rise_m: rng.range(2.0, 3.4),
         }
@@ -142,7 +153,7 @@ fn house(
         });
     }
     if flat {
-        for _ in 0..1 + rng.below(3) {
+        for _ in 0..=rng.below(3) {
             let at = DVec2::new(rng.range(x0 + 1.2, x1 - 1.2), front + depth * rng.range(0.15, 0.85));
             let sky = rng.chance(0.4);
             let kind = if sky { RoofItemKind::Skylight } else { RoofItemKind::Vent };
@@ -157,10 +168,16 @@ fn house(
             });
         }
     }
+    // A fence along one border of the rear yard.
+    let fence = rect(x0 + 0.03, x0 + 0.17, front + depth + 0.2, y1 - 0.9);
+    if y1 - rear > 4.0 && inside(&fence) {
+        let coping = Roof::Gable { along_first: false, rise_m: 0.04, eaves_m: 0.015, hip: 0.0 };
+        masses.push(mass(fence, rng.range(1.4, 1.9), coping, 3.0));
+    }
     push(frame, relief, Kind::House, masses, items, out);
     // A garage on the lane.
     let mut yard_end = y1 - 0.8;
-    if y1 - rear > 11.0 && rng.chance(0.6) {
+    if y1 - rear > 11.0 && rng.chance(0.85) {
         let (a, b) = (x0 + rng.range(0.1, 0.4), x1 - rng.range(0.1, 1.2));
         let garage = rect(a, b, y1 - 1.0 - rng.range(5.5, 6.5), y1 - 1.0);
         if inside(&garage) {
@@ -173,16 +190,25 @@ fn house(
             push(frame, relief, Kind::Shed, vec![mass(garage, rng.range(2.5, 3.0), roof, 3.0)], Vec::new(), out);
         }
     }
-    let mut yard = |q: Vec<DVec2>, is_front: bool| {
+    let mut yard = |q: Vec<DVec2>, kind: Yard| {
         if inside(&q) {
-            out.yards.push((q.iter().map(|p| frame.world(*p)).collect(), is_front));
+            out.yards.push((q.iter().map(|p| frame.world(*p)).collect(), kind));
         }
     };
     if front - 0.3 - (y0 + 0.75) > 0.8 {
-        yard(rect(x0 + 0.12, x1 - 0.12, y0 + 0.75, front - 0.3), true);
+        yard(rect(x0 + 0.12, x1 - 0.12, y0 + 0.75, front - 0.3), Yard::Front);
     }
-    if yard_end - rear > 2.0 {
-        yard(rect(x0 + 0.12, x1 - 0.12, rear + 0.25, yard_end), false);
+    let mut from = rear + 0.25;
+    if yard_end - rear > 7.0 && rng.chance(0.8) {
+        let to = from + rng.range(2.5, 5.5);
+        let left = rng.chance(0.5);
+        let w = (x1 - x0) * rng.range(0.55, 0.9);
+        let (a, b) = if left { (x0 + 0.25, x0 + w) } else { (x1 - w, x1 - 0.12) };
+        yard(rect(a, b, from, to), Yard::Patio);
+        from = to + 0.1;
+    }
+    if yard_end - from > 2.0 {
+        yard(rect(x0 + 0.25, x1 - 0.12, from, yard_end), Yard::Rear);
     }
 }
 

@@ -129,6 +129,9 @@ pub(super) fn tower_height_m(quantile: f64) -> f64 {
     (125.0 * libm::exp(0.4 * normal_quantile(quantile))).clamp(60.0, 298.0)
 }
 
+/// Mean height of a mechanical penthouse, m.
+pub(super) const PENTHOUSE_M: f64 = 7.5;
+
 /// Inverse of the normal distribution (Abramowitz and Stegun 1964, 26.2.23; error below 4.5e-4).
 fn normal_quantile(u: f64) -> f64 {
     let p = u.min(1.0 - u).max(1e-9);
@@ -230,12 +233,12 @@ pub(super) fn tower_place(site: &Site, office: bool, path: &SeedPath) -> Option<
     let mut rng = path.child("plate").rng();
     let room = (high - low) / 2.0;
     let half = if office {
-        DVec2::new(rng.range(19.0, 26.0).min(room.x - 0.5), rng.range(20.0, 27.0).min(room.y - 0.5))
-    } else if rng.chance(0.25) {
-        DVec2::new(rng.range(17.0, 21.0).min(room.x - 0.5), rng.range(8.0, 9.2))
+        DVec2::new(rng.range(21.0, 27.0).min(room.x - 0.5), rng.range(21.0, 27.0).min(room.y - 0.5))
+    } else if rng.chance(0.2) {
+        DVec2::new(rng.range(18.5, 21.0).min(room.x - 0.5), rng.range(8.0, 9.2))
     } else {
         let w = rng.range(11.0, 13.8);
-        DVec2::new(w.min(room.x - 0.5), (rng.range(620.0, 748.0) / (4.0 * w)).min(16.0))
+        DVec2::new(w.min(room.x - 0.5), (rng.range(665.0, 749.0) / (4.0 * w)).min(16.0))
     };
     let least = if office { 16.5 } else { 8.0 };
     let slack = room - half;
@@ -285,12 +288,14 @@ pub(super) fn condo(
         facade: podium_facade,
         roof: Roof::Flat {
             parapet_m: rng.range(0.9, 1.2),
-            slot: if rng.chance(0.5) { slot::TERRACE } else { slot::ROOF },
+            slot: [slot::TERRACE, slot::GREEN, slot::ROOF][rng.weighted(&[0.4, 0.14, 0.46])],
         },
         balconies: Vec::new(),
     };
     let floor_m = rng.range(2.95, 3.1);
-    let floors = libm::round((height_m - podium_m) / floor_m).max(12.0);
+    // The uppermost floors may step back.
+    let crown = if rng.chance(0.4) { 2.0 + rng.below(4) as f64 } else { 0.0 };
+    let floors = libm::round((height_m - podium_m) / floor_m - crown).max(10.0);
     let roof_m = podium_m + floors * floor_m;
     let shape: Vec<DVec2> = plate(half, &mut rng).into_iter().map(|p| p + centre).collect();
     let bay_m = rng.range(2.8, 3.6);
@@ -322,9 +327,8 @@ pub(super) fn condo(
     let mut masses = vec![podium, tower];
     let mut top_m = roof_m;
     let mut top_half = half - DVec2::splat(1.8);
-    if rng.chance(0.4) {
-        // The uppermost floors step back.
-        let n = 2.0 + rng.below(4) as f64;
+    if crown > 0.0 {
+        let n = crown;
         top_half = half - DVec2::new(rng.range(2.5, 3.5), rng.range(2.0, 3.2));
         top_m = roof_m + n * 3.2;
         masses.push(Mass {
@@ -470,14 +474,14 @@ pub(super) fn office(
 pub(super) fn mid_rise(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Option<Building> {
     let frame = Frame::of(site);
     let mut rng = path.child("mid").rng();
-    let setbacks = Setbacks { street: rng.range(0.3, 2.5), side: rng.range(0.12, 0.5), back: rng.range(1.0, 8.0) };
+    let setbacks = Setbacks { street: rng.range(0.3, 2.5), side: rng.range(0.12, 0.5), back: rng.range(0.6, 4.5) };
     let area = buildable(site, &frame, setbacks)?;
     let (low, high) = polygon::bounds(&area);
     if (high - low).min_element() < 9.0 {
         return None;
     }
     let wide = high.x - low.x > 26.0 && high.y - low.y > 30.0;
-    let (a, b) = (rng.range(0.4, 0.6), rng.range(0.3, 0.42));
+    let (a, b) = (rng.range(0.45, 0.7), rng.range(0.32, 0.42));
     let shape: Vec<[f64; 2]> = match if wide { rng.below(5) } else { rng.below(2) } {
         0 => vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         1 => vec![[0.0, 0.0], [1.0, 0.0], [1.0, a], [b + 0.3, a], [b + 0.3, 1.0], [0.0, 1.0]],
@@ -550,10 +554,33 @@ pub(super) fn mid_rise(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Opt
             }
         }
     }
+    if shape.len() == 4 && above.is_empty() && rng.chance(0.75) {
+        // Machine room, off the middle.
+        let half = DVec2::new(rng.range(2.5, 6.0), rng.range(2.2, 4.5));
+        let at = polygon::centroid(&masses[0].outline) + DVec2::new(rng.signed() * 4.0, rng.signed() * 6.0);
+        let room = polygon::oriented_rectangle(at, DVec2::X, half);
+        if room.iter().all(|p| {
+            polygon::contains(&masses[0].outline, *p) && polygon::border_distance(&masses[0].outline, *p) > 1.5
+        }) {
+            above.push(room.clone());
+            masses.push(Mass {
+                outline: room,
+                low_m: roof_m - 0.3,
+                roof_m: roof_m + rng.range(3.0, 5.0),
+                first_floor_m: roof_m,
+                floor_m: 4.0,
+                bay_m: 0.0,
+                shop: false,
+                facade: Facade::Plain,
+                roof: flat(rng.range(0.2, 0.6)),
+                balconies: Vec::new(),
+            });
+        }
+    }
     let mut plan = grounded(&frame, relief, masses);
     for k in 0..plan.masses.len() {
         let what =
-            Furnishing { base_m: plan.masses[k].roof_m, handlers: 0.45, panels: 0.15, beds: 0.1, bulkhead: 0.85 };
+            Furnishing { base_m: plan.masses[k].roof_m, handlers: 0.75, panels: 0.15, beds: 0.12, bulkhead: 0.9 };
         let over: &[Vec<DVec2>] = if k == 0 { &above } else { &[] };
         let items = furnish(&plan.masses[k].outline.clone(), over, what, &path.child("roof").index(k as u64));
         plan.items.extend(items);
@@ -577,7 +604,7 @@ fn street_only(outline: &[DVec2], site: &Site, frame: &Frame, all: Vec<Balcony>)
 pub(super) fn shop(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Option<Building> {
     let frame = Frame::of(site);
     let mut rng = path.child("shop").rng();
-    let setbacks = Setbacks { street: rng.range(0.2, 1.2), side: rng.range(0.1, 0.3), back: rng.range(1.0, 10.0) };
+    let setbacks = Setbacks { street: rng.range(0.2, 1.2), side: rng.range(0.1, 0.3), back: rng.range(0.6, 5.0) };
     let area = buildable(site, &frame, setbacks)?;
     let a = rng.range(0.45, 0.75);
     let outline = if rng.chance(0.55) {
@@ -601,7 +628,7 @@ pub(super) fn shop(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Option<
         balconies: Vec::new(),
     };
     let mut plan = grounded(&frame, relief, vec![mass]);
-    let what = Furnishing { base_m: roof_m, handlers: 0.6, panels: 0.1, beds: 0.03, bulkhead: 0.3 };
+    let what = Furnishing { base_m: roof_m, handlers: 0.9, panels: 0.1, beds: 0.03, bulkhead: 0.35 };
     plan.items = furnish(&plan.masses[0].outline.clone(), &[], what, &path.child("roof"));
     Some(Building { kind: Kind::Shop, plan })
 }

@@ -28,6 +28,7 @@ pub(super) struct Materials {
     brick: Vec<u32>,
     windowed: Vec<u32>,
     precast: Vec<u32>,
+    banded: Vec<u32>,
     condo_glass: Vec<u32>,
     office_glass: Vec<u32>,
     masonry_glass: Vec<u32>,
@@ -89,18 +90,18 @@ fn asphalt(name: &str, age: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Road, base).rough(0.4);
     let cracks = Field::Product(vec![
         Field::Warped {
-            of: Box::new(Field::Cracks { space: Space::World, seed: seed ^ 3, cell_m: 7.0, width_m: 0.07 }),
-            seed: seed ^ 4,
+            of: Box::new(Field::Cracks { space: Space::World, seed: seed ^ 0x3, cell_m: 7.0, width_m: 0.07 }),
+            seed: seed ^ 0x4,
             wavelength_m: 5.0,
             amplitude_m: 1.2,
         },
-        noise(seed ^ 5, 23.0, 2).ramp(-0.1, 0.3),
+        noise(seed ^ 0x5, 23.0, 2).ramp(-0.1, 0.3),
     ]);
     aged(m, seed, 0.13, 0.12)
         .with(Layer::Mix { color: bgr(0.035, 0.036, 0.038), amount: cracks.times(0.25 + 0.45 * age) })
         .with(Layer::Mix {
             color: bgr(0.04, 0.041, 0.043),
-            amount: noise(seed ^ 6, 3.1, 3).ramp(0.32, 0.6).times(0.35),
+            amount: noise(seed ^ 0x6, 3.1, 3).ramp(0.32, 0.6).times(0.35),
         })
 }
 
@@ -132,12 +133,12 @@ fn road(kind: u16, age: u16, seed: u32) -> Material {
     let l = lines(kind);
     let mut m = asphalt(&format!("road {kind} {age}"), [0.25, 0.65, 0.95][age as usize], seed);
     let oil: Vec<Field> = l.lanes.iter().map(|c| stripe(Coordinate::V, *c, 0.9)).collect();
-    let oil = Field::Product(vec![Field::Sum(oil), noise(seed ^ 11, 17.0, 2).affine(0.5, 0.7)]);
+    let oil = Field::Product(vec![Field::Sum(oil), noise(seed ^ 0xb, 17.0, 2).affine(0.5, 0.7)]);
     m = m.with(brightness(oil.times(-0.13)));
     let tracks: Vec<Field> =
         l.lanes.iter().flat_map(|c| [c - 0.85, c + 0.85]).map(|c| stripe(Coordinate::V, c, 0.6)).collect();
     m = m.with(brightness(Field::Sum(tracks).times(0.06)));
-    let wear = noise(seed ^ 12, 6.0, 3).affine(0.7, 0.55).ramp(0.0, 1.0);
+    let wear = noise(seed ^ 0xc, 6.0, 3).affine(0.7, 0.55).ramp(0.0, 1.0);
     let dashes = Field::Product(vec![
         repeating(Coordinate::U, 12.0, 3.0, 0.0),
         Field::Sum(l.dashed.iter().map(|c| stripe(Coordinate::V, *c, 0.13)).collect()),
@@ -154,7 +155,7 @@ fn road(kind: u16, age: u16, seed: u32) -> Material {
 
 /// Concrete slabs with joints every `joint_m` of their texture coordinates.
 fn concrete(name: &str, class: Class, level: f32, joint_m: f32, seed: u32) -> Material {
-    let m = Material::diffuse(name, class, bgr(0.74, 0.88, 1.0) * level).rough(0.3);
+    let m = Material::diffuse(name, class, bgr(0.8, 0.92, 1.0) * level).rough(0.3);
     let mut m = aged(m, seed, 0.12, 0.09);
     if joint_m > 0.0 {
         let joints = Field::Max(vec![
@@ -165,17 +166,17 @@ fn concrete(name: &str, class: Class, level: f32, joint_m: f32, seed: u32) -> Ma
             Field::Cells { space: Space::Uv, seed, size_m: [joint_m, joint_m, 0.0], stagger: 0.0 }.times(0.09),
         ));
     }
-    m.with(Layer::Mix { color: bgr(0.06, 0.06, 0.06), amount: noise(seed ^ 9, 2.6, 3).ramp(0.3, 0.65).times(0.3) })
+    m.with(Layer::Mix { color: bgr(0.06, 0.06, 0.06), amount: noise(seed ^ 0x9, 2.6, 3).ramp(0.3, 0.65).times(0.3) })
 }
 
 fn lawn(name: &str, dryness: f32, seed: u32) -> Material {
     let green = Bands::new(0.035, 0.075, 0.05, 0.35);
     let dry = Bands::new(0.075, 0.115, 0.12, 0.3);
     aged(Material::diffuse(name, Class::LowVegetation, green.lerp(dry, dryness)).rough(0.5), seed, 0.2, 0.14)
-        .with(Layer::Mix { color: dry, amount: noise(seed ^ 21, 9.0, 4).ramp(0.0, 0.5).times(0.6) })
+        .with(Layer::Mix { color: dry, amount: noise(seed ^ 0x15, 9.0, 4).ramp(0.0, 0.5).times(0.6) })
         .with(Layer::Mix {
             color: bgr(0.08, 0.105, 0.135),
-            amount: noise(seed ^ 22, 5.0, 3).ramp(0.3, 0.55).times(0.7),
+            amount: noise(seed ^ 0x16, 5.0, 3).ramp(0.3, 0.55).times(0.7),
         })
 }
 
@@ -185,7 +186,7 @@ fn wall(name: &str, base: Bands, seed: u32) -> Material {
     // Rain leaves vertical streaks.
     let streaks = Field::Noise {
         space: Space::World,
-        seed: seed ^ 31,
+        seed: seed ^ 0x1f,
         wavelength_m: 0.9,
         octaves: 2,
         gain: 0.5,
@@ -206,8 +207,20 @@ fn with_windows(m: Material, width_m: f32, height_m: f32, seed: u32) -> Material
     let cells = |s: u32| Field::Cells { space: Space::Uv, seed: seed ^ s, size_m: [bay, floor, 0.0], stagger: 0.0 };
     m.with(Layer::Mix { color: bgr(0.06, 0.065, 0.07), amount: mask() }).with(Layer::Mix {
         color: bgr(0.3, 0.31, 0.32),
-        amount: Field::Product(vec![mask(), cells(1).ramp(0.3, 0.9).times(0.7)]),
+        amount: Field::Product(vec![mask(), cells(1).ramp(0.3, 0.9).times(0.5)]),
     })
+}
+
+/// Rows of windows between bands, floor by floor.
+fn banded(m: Material, seed: u32) -> Material {
+    let (bay, floor) = (NOMINAL_BAY_M as f32, NOMINAL_FLOOR_M as f32);
+    let row = || {
+        let panes = repeating(Coordinate::U, bay / 2.0, bay / 2.0 - 0.2, 0.1);
+        Field::Product(vec![panes, repeating(Coordinate::V, floor, 2.2, 0.3)])
+    };
+    let cells = Field::Cells { space: Space::Uv, seed, size_m: [bay / 2.0, floor, 0.0], stagger: 0.0 };
+    m.with(Layer::Mix { color: bgr(0.075, 0.072, 0.066), amount: row().times(0.92) })
+        .with(Layer::Mix { color: bgr(0.25, 0.25, 0.25), amount: Field::Product(vec![row(), cells.ramp(0.5, 1.1)]) })
 }
 
 /// Glazing of a facade: dark under a smooth coat, with mullions, blinds and a shade for every pane.
@@ -218,11 +231,11 @@ fn glass(name: &str, tint: Bands, mullion: Bands, panes: f32, blinds: f32, seed:
         |s: u32, n: f32| Field::Cells { space: Space::Uv, seed: seed ^ s, size_m: [n, floor, 0.0], stagger: 0.0 };
     let mut m = Material::diffuse(name, Class::Facade, tint);
     m.brdf = Brdf::Coated { index: 1.52 };
-    m.with(brightness(cells(1, pane).times(0.35)))
+    m.with(brightness(cells(1, pane).times(0.3)))
         .with(brightness(Field::Variation(0).times(0.25)))
         .with(Layer::Mix {
             color: bgr(0.33, 0.34, 0.35),
-            amount: cells(2, bay).ramp(1.0 - 2.0 * blinds, 1.25 - 2.0 * blinds).times(0.6),
+            amount: cells(2, pane).ramp(1.0 - 2.0 * blinds, 1.5 - 2.0 * blinds).times(0.42),
         })
         .with(Layer::Mix { color: mullion, amount: repeating(Coordinate::U, pane, 0.14, -0.07) })
         .with(Layer::Mix { color: mullion, amount: repeating(Coordinate::V, floor, 0.12, 0.95).times(0.7) })
@@ -240,16 +253,18 @@ fn membrane(name: &str, base: Bands, strip_m: f32, stain: f32, seed: u32) -> Mat
             .with(brightness(Field::Cells { space: Space::Object, seed, size_m, stagger: 0.0 }.times(0.05)))
             .with(brightness(repeating(along, strip_m, 0.12, 0.0).times(-0.16)));
     }
-    let pond = noise(seed ^ 41, 8.0, 3);
+    let pond = noise(seed ^ 0x29, 8.0, 3);
     m.with(brightness(pond.clone().ramp(0.05, 0.3).times(-stain)))
         // The rim that a pond leaves when it dries.
-        .with(brightness(Field::Product(vec![pond.clone().ramp(0.0, 0.06), pond.ramp(0.13, 0.07)]).times(-0.5 * stain)))
-        .with(Layer::Mix { color: base * 0.45, amount: noise(seed ^ 42, 2.3, 4).ramp(0.25, 0.6).times(stain * 0.9) })
+        .with(brightness(
+            Field::Product(vec![pond.clone().ramp(0.0, 0.06), pond.ramp(0.13, 0.07)]).times(-0.28 * stain),
+        ))
+        .with(Layer::Mix { color: base * 0.45, amount: noise(seed ^ 0x2a, 2.3, 4).ramp(0.25, 0.6).times(stain * 0.9) })
 }
 
 fn metal(name: &str, level: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Roof, bgr(0.95, 0.98, 1.0) * level).rough(0.2);
-    aged(m, seed, 0.08, 0.08).with(brightness(noise(seed ^ 51, 1.1, 3).ramp(0.2, 0.6).times(-0.3)))
+    aged(m, seed, 0.08, 0.08).with(brightness(noise(seed ^ 0x33, 1.1, 3).ramp(0.2, 0.6).times(-0.3)))
 }
 
 impl Materials {
@@ -267,6 +282,7 @@ impl Materials {
             brick: Vec::new(),
             windowed: Vec::new(),
             precast: Vec::new(),
+            banded: Vec::new(),
             condo_glass: Vec::new(),
             office_glass: Vec::new(),
             masonry_glass: Vec::new(),
@@ -369,13 +385,18 @@ impl Materials {
             let tint = if k % 2 == 0 { bgr(0.9, 0.97, 1.0) } else { bgr(0.97, 1.0, 1.0) };
             let m = self.add(wall(&format!("precast {k}"), tint * *level, seed("precast", k as u64)));
             self.precast.push(m);
+            // Blocks beyond the detailed circle have their floors as texture.
+            let s = seed("banded", k as u64);
+            let m = banded(wall(&format!("banded {k}"), tint * (*level + 0.05), s), s);
+            let m = self.add(m);
+            self.banded.push(m);
         }
         let frames = [bgr(0.09, 0.09, 0.09), bgr(0.3, 0.31, 0.32), bgr(0.16, 0.16, 0.16)];
         let tints =
             [bgr(0.055, 0.055, 0.045), bgr(0.045, 0.05, 0.05), bgr(0.07, 0.072, 0.062), bgr(0.035, 0.035, 0.035)];
         for k in 0..4_usize {
             let s = seed("glass", k as u64);
-            let m = self.add(glass(&format!("condominium glass {k}"), tints[k], frames[k % 3], 2.0, 0.3, s));
+            let m = self.add(glass(&format!("condominium glass {k}"), tints[k], frames[k % 3], 2.0, 0.22, s));
             self.condo_glass.push(m);
             let m = self.add(glass(
                 &format!("office glass {k}"),
@@ -383,10 +404,11 @@ impl Materials {
                 frames[(k + 2) % 3],
                 1.0,
                 0.12,
-                s ^ 7,
+                s ^ 0x7,
             ));
             self.office_glass.push(m);
-            let m = self.add(glass(&format!("window {k}"), tints[(k + 2) % 4], frames[(k + 1) % 3], 2.0, 0.35, s ^ 13));
+            let m =
+                self.add(glass(&format!("window {k}"), tints[(k + 2) % 4], frames[(k + 1) % 3], 2.0, 0.35, s ^ 0xd));
             self.masonry_glass.push(m);
         }
     }
@@ -395,13 +417,13 @@ impl Materials {
         let flat: [(Bands, f32, f32); 9] = [
             (bgr(0.3, 0.315, 0.32), 2.6, 0.3),
             (bgr(0.2, 0.215, 0.225), 2.2, 0.25),
-            (bgr(0.13, 0.135, 0.14), 1.0, 0.3),
+            (bgr(0.11, 0.113, 0.116), 1.0, 0.3),
             (bgr(0.075, 0.077, 0.08), 1.0, 0.22),
             (bgr(0.19, 0.21, 0.225), 0.0, 0.2),
-            (bgr(0.15, 0.165, 0.185), 0.0, 0.25),
+            (bgr(0.14, 0.165, 0.195), 0.0, 0.25),
             (bgr(0.5, 0.51, 0.51), 2.8, 0.3),
             (bgr(0.24, 0.26, 0.275), 0.0, 0.3),
-            (bgr(0.1, 0.108, 0.115), 2.0, 0.3),
+            (bgr(0.085, 0.1, 0.122), 2.0, 0.3),
         ];
         for (k, (base, strip, stain)) in flat.into_iter().enumerate() {
             let m = self.add(membrane(&format!("roof {k}"), base, strip, stain, seed("roof", k as u64)));
@@ -566,7 +588,8 @@ impl Materials {
             }
         };
         let wall = match kind {
-            Kind::Condo | Kind::Office | Kind::Block if massing => of(&self.windowed, &mut rng),
+            Kind::Condo | Kind::Office if massing => of(&self.banded, &mut rng),
+            Kind::Block if massing => of(&self.windowed, &mut rng),
             Kind::Shed => of(&self.brick, &mut rng),
             _ => wall,
         };

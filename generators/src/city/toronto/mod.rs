@@ -101,17 +101,22 @@ impl Params {
         check_range("vehicles", self.vehicles, 0.0..=3.0)
     }
 
+    // The registry asks every region as a method.
+    #[allow(clippy::unused_self)]
     pub(crate) fn height_bounds_m(&self) -> [f64; 2] {
-        // Relief within ±3.7 m; feet a metre and the site's fall below it; towers up to 298 m and a floor, crowns of at
-        // most six floors and a penthouse of 10 m with its furniture.
-        [-10.0, 345.0]
+        // Relief and kerbs reach down to -3.9 m and feet 1 m below the lowest ground; towers are at most 298 m with their
+        // penthouse, and rounding to whole floors (2 m), a penthouse higher than the mean (1.5 m), its parapet and
+        // furniture (4 m) and the relief come on top.
+        let reach = relief::AMPLITUDE_M;
+        [-reach - 2.0, 298.0 + 12.0 + reach]
     }
 
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
-        // Measured at 60, 170, 400, 700 and 900 m; see `memory_stays_below_its_bound`.
-        let km = (self.radius_m + RING_M) / 1000.0;
-        let detail = self.radius_m / 1000.0;
-        (200.0e6 + 160.0e6 * km * km + 900.0e6 * (detail + 0.1) * (detail + 0.1)) as u64
+        // Peak of a process that builds the core and its trees of boxes: 40, 49, 145, 323 and 490 MB at 60, 170, 400, 700
+        // and 900 m. The bound has a third and more above that, and a place for each further tree and vehicle.
+        let km = self.radius_m / 1000.0;
+        let things = self.trees.max(1.0) + self.vehicles.max(1.0);
+        (120.0e6 + (800.0e6 + 50.0e6 * things) * km * km) as u64
     }
 }
 

@@ -64,10 +64,58 @@ fn census(plan: &CityPlan) -> Census {
 
 #[test]
 fn the_core_has_the_citys_cover_and_heights() {
-    for seed in 0..8 {
+    let mut faults = Vec::new();
+    for seed in 0..14 {
         let c = census(&planned(seed, Variant::Core));
         let median = c.towers[c.towers.len() / 2];
-        eprintln!("seed {seed}: built {:.3} tall {:.3} towers {} median {median:.0}", c.built, c.tall, c.towers.len());
+        let line = format!(
+            "seed {seed}: built {:.3} tall {:.3} towers {} median {median:.0}",
+            c.built,
+            c.tall,
+            c.towers.len()
+        );
+        let sound = (0.45..=0.60).contains(&c.built)
+            && (0.05..=0.12).contains(&c.tall)
+            && (25..=45).contains(&c.towers.len())
+            && (110.0..=140.0).contains(&median);
+        if !sound {
+            faults.push(line);
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn midtown_is_lower_than_the_core_and_still_a_city() {
+    for seed in 0..3 {
+        let (core, mid) = (census(&planned(seed, Variant::Core)), census(&planned(seed, Variant::Midtown)));
+        assert!(mid.towers.len() * 2 < core.towers.len() && !mid.towers.is_empty());
+        assert!((0.25..0.6).contains(&mid.built), "{}", mid.built);
+    }
+}
+
+#[test]
+fn one_tree_more_moves_no_house() {
+    let city = SeedPath::root("toronto", 4).child("core");
+    let plan = |trees, vehicles| {
+        let params = Params { radius_m: 60.0, trees, vehicles, ..Params::default() };
+        let plan = assemble::plan(&params, &city);
+        let houses: Vec<_> = plan.blocks.into_iter().flat_map(|(_, b)| b.buildings).collect();
+        houses
+    };
+    assert!(plan(1.0, 1.0) == plan(2.0, 0.3));
+}
+
+#[test]
+fn the_scene_holds_what_its_bound_says() {
+    for radius_m in [60.0, 200.0] {
+        let params = Params { radius_m, ..Params::default() };
+        let scene = build(&params, SeedPath::root("toronto", 6));
+        let (held, _) = scene.triangle_counts();
+        // A triangle with its three corners, texture coordinates and share of a tree takes less than 200 bytes; the
+        // triangulation of the ground and the plan go when the scene stands.
+        let bytes = held * 200 + scene.instances.len() * 400;
+        assert!((bytes as u64) < params.memory_bound_bytes(), "{bytes}");
     }
 }
 
@@ -98,8 +146,8 @@ fn a_scene_is_legal_and_within_its_bounds() {
 
 #[test]
 fn the_ground_has_no_crack_and_no_t_junction() {
-    for seed in 0..3 {
-        let params = Params { radius_m: 250.0, ..Params::default() };
+    for (seed, radius_m) in [(0, 250.0), (1, 60.0), (2, 700.0), (3, 333.3)] {
+        let params = Params { radius_m, ..Params::default() };
         let city = SeedPath::root("toronto", seed).child("core");
         let ground = assemble::ground(&params, &assemble::plan(&params, &city));
         assert_eq!(ground.crossings, 0, "seed {seed}");

@@ -101,7 +101,15 @@ pub(super) fn plan(params: &Params, segment: &Segment, city: &SeedPath) -> Segme
             out.patches.push(patch(rect(a.min(b), a.max(b), stops[0], stops[1]), ground_slot::STOP));
         }
     }
-    repairs(&patch, &rect, [b0 + 1.0, b1 - 1.0], edge - 0.3, &mut rng, &mut out);
+    let mut taken: Vec<Vec<DVec2>> = Vec::new();
+    if street.section.kind == 3 && b1 - b0 > 40.0 && rng.chance(0.7) {
+        // A raised median; being not lowered, it gets its own kerb.
+        let outline = rect(b0 + 9.0, b1 - 9.0, -0.75, 0.75);
+        taken.push(rect(b0 + 8.5, b1 - 8.5, -1.2, 1.2));
+        let slot = if rng.chance(0.6) { ground_slot::YARD } else { ground_slot::PAVING };
+        out.patches.push(Patch { lowered: false, ..patch(outline, slot) });
+    }
+    repairs(&patch, &rect, [b0 + 1.0, b1 - 1.0], edge - 0.3, taken, &mut rng, &mut out);
     traffic(params, segment, &path, &mut out);
     kerbside(params, segment, &path, &mut out);
     out
@@ -113,10 +121,10 @@ fn repairs(
     rect: &impl Fn(f64, f64, f64, f64) -> Vec<DVec2>,
     [b0, b1]: [f64; 2],
     edge: f64,
+    mut taken: Vec<Vec<DVec2>>,
     rng: &mut Rng,
     out: &mut SegmentPlan,
 ) {
-    let mut taken: Vec<Vec<DVec2>> = Vec::new();
     let wanted = 6 + rng.below(9);
     for _ in 0..wanted {
         let (length, width, slot) = match rng.weighted(&[0.3, 0.2, 0.2, 0.3]) {
@@ -204,8 +212,8 @@ fn kerbside(params: &Params, segment: &Segment, path: &SeedPath, out: &mut Segme
     let [s0, s1] = segment.span_m;
     for (k, side) in [(0, 1.0), (1, -1.0)] {
         let mut rng = path.child("side").index(k).rng();
-        let planted = rng.chance(0.72);
-        let pitch = rng.range(8.0, 12.0);
+        let planted = rng.chance(0.82);
+        let pitch = rng.range(8.0, 11.0);
         let kept = rng.range(0.6, 0.95) * params.trees;
         let mut s = s0 + rng.range(9.0, 15.0);
         while planted && s < s1 - 9.0 {

@@ -103,7 +103,7 @@ fn piers(b: &mut MeshBuilder, mass: &Mass, recess_m: f64, width_m: f64, proud_m:
         let inward = along.perp();
         let bays = libm::round(side / mass.bay_m).max(1.0) as u32;
         for k in 1..bays {
-            if k % every != 0 {
+            if !k.is_multiple_of(every) {
                 continue;
             }
             let centre = p + along * (side * f64::from(k) / f64::from(bays)) + inward * (depth / 2.0 - proud_m);
@@ -123,7 +123,8 @@ fn piers(b: &mut MeshBuilder, mass: &Mass, recess_m: f64, width_m: f64, proud_m:
 fn balconies(b: &mut MeshBuilder, mass: &Mass) {
     for balcony in &mass.balconies {
         for (k, z) in slabs(mass).enumerate() {
-            if k as u32 % balcony.every == 0 {
+            // The lowest floor has the podium's roof for a terrace.
+            if k > 0 && (k as u32).is_multiple_of(balcony.every) {
                 one_balcony(b, mass, balcony, z);
             }
         }
@@ -138,7 +139,6 @@ fn one_balcony(b: &mut MeshBuilder, mass: &Mass, balcony: &Balcony, z_m: f64) {
     let at = |s: f64, d: f64| p + along * s + outward * d;
     let ([s0, s1], d) = (balcony.span_m, balcony.depth_m);
     let slab = [at(s0, -0.3), at(s0, d), at(s1, d), at(s1, -0.3)];
-    let slab: Vec<DVec2> = slab.into_iter().rev().collect();
     b.prism(slot::SLAB, slot::SLAB, &slab, z_m - 0.22, z_m - 0.02, Wall::PLAIN);
     let (e, t) = (0.04, 0.1);
     // Counter-clockwise seen from above: outward is on the right of p -> q.
@@ -152,7 +152,6 @@ fn one_balcony(b: &mut MeshBuilder, mass: &Mass, balcony: &Balcony, z_m: f64) {
         at(s0 + e + t, d - e - t),
         at(s0 + e + t, -0.05),
     ];
-    let guard = if polygon::area(&guard) > 0.0 { guard.to_vec() } else { guard.into_iter().rev().collect() };
     b.prism(slot::GUARD, slot::COPING, &guard, z_m - 0.1, z_m + 1.05, Wall::PLAIN);
 }
 

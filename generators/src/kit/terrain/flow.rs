@@ -155,7 +155,7 @@ mod tests {
                 z.set(i, j, (fractal(p, 3, 30.0, 4, 0.6) * 20.0) as f32);
             }
         }
-        let border = |p: usize| p % 60 == 0 || p % 60 == 59 || p / 60 == 0 || p / 60 == 49;
+        let border = |p: usize| [0, 59].contains(&(p % 60)) || [0, 49].contains(&(p / 60));
         let before = z.clone();
         let drainage = fill_and_drain(&mut z, 1, border);
         assert_eq!(drainage.order.len(), 3000);

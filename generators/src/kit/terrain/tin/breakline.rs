@@ -35,10 +35,9 @@ pub(super) fn cut(layout: &Layout, breaklines: &[Breakline]) -> Vec<Vec<Piece>> 
             stops.sort_by(|a, b| a.0.total_cmp(&b.0));
             for part in stops.windows(2) {
                 let piece = Piece { ends_m: [part[0].1, part[1].1] };
-                if piece.ends_m[0].truncate() != piece.ends_m[1].truncate() {
-                    if let Some(tile) = tile_of(layout, piece) {
-                        pieces[tile].push(piece);
-                    }
+                let is_point = piece.ends_m[0].truncate() == piece.ends_m[1].truncate();
+                if let Some(tile) = tile_of(layout, piece).filter(|_| !is_point) {
+                    pieces[tile].push(piece);
                 }
             }
         }

@@ -6,8 +6,11 @@ use super::{Ground, Layout, TileMesh};
 use glam::{DVec2, DVec3};
 use satseed_scene::quantise_m;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, PositionInTriangulation, Triangulation};
 use std::collections::BinaryHeap;
+
+/// In posts: those on an edge are looked at from both sides, so that rounding loses none.
+const SLACK: f64 = 1e-7;
 
 #[derive(Clone, Copy)]
 struct Vertex {
@@ -89,10 +92,9 @@ impl Tile {
     /// Inserts a vertex unless one stands there already; its height then stays.
     fn insert(&mut self, at_m: DVec3, hint: Option<FixedVertexHandle>) -> FixedVertexHandle {
         let position = Point2::new(at_m.x, at_m.y);
-        if self.cdt.num_vertices() < 64 || hint.is_none() {
-            if let spade::PositionInTriangulation::OnVertex(v) = self.cdt.locate(position) {
-                return v;
-            }
+        // Posts come with a hint and are never taken twice; borders and breaklines share points.
+        if let (None, PositionInTriangulation::OnVertex(v)) = (hint, self.cdt.locate(position)) {
+            return v;
         }
         let inserted = match hint {
             Some(hint) => self.cdt.insert_with_hint(Vertex { at_m }, hint),
@@ -153,8 +155,6 @@ impl Tile {
         let last = self.side - 1;
         let local = |p: DVec3| (p.truncate() - self.corner_m) / self.post_m;
         let corners = [local(a), local(b), local(c)];
-        // Posts on an edge are looked at from both sides: a little slack loses none to rounding.
-        const SLACK: f64 = 1e-7;
         let low = corners.iter().map(|p| p.y).fold(f64::MAX, f64::min);
         let high = corners.iter().map(|p| p.y).fold(f64::MIN, f64::max);
         let first_row = libm::ceil(low - SLACK).max(1.0) as usize;
