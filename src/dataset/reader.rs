@@ -1,6 +1,6 @@
 //! Reads a dataset that anyone may have written.
 
-use super::formats::{FormatError, HeightMap, Plane, decode_height_map};
+use super::formats::{FormatError, HeightMap, Plane, decode_height_map, decoded_bytes_at_most};
 use super::manifest::{LineError, MANIFEST, ManifestHash, parse_lines};
 use super::record::{FileRecord, SampleRecord};
 use super::sample::{CameraFile, Identity, Layer, Sample, View};
@@ -125,9 +125,9 @@ impl<'a> Dataset<'a> {
     }
 }
 
-/// A bomb is told from a surface model by its length: deflate makes at most about 1,030 bytes of one.
+/// Most cells that a surface model of a file's length can have.
 pub(super) fn most_cells(file_bytes: usize) -> usize {
-    MAX_CELLS.min(file_bytes.saturating_mul(1040 / 4))
+    MAX_CELLS.min((decoded_bytes_at_most(file_bytes) / 4) as usize)
 }
 
 pub(super) fn parse_camera(path: &str, text: &str) -> Result<CameraFile, ReadError> {

@@ -218,6 +218,33 @@ pub(crate) mod tests {
         }
     }
 
+    /// Whatever a stranger changes, a line is refused or names only paths within the dataset.
+    #[test]
+    fn changed_lines_never_lead_out_of_the_dataset() {
+        let line = record().to_line();
+        let mut draws = blake3::Hasher::new().update(b"lines").finalize_xof();
+        let mut read = 0;
+        for _ in 0..20_000 {
+            let mut bytes = line.clone().into_bytes();
+            let mut word = [0; 8];
+            for _ in 0..=2 {
+                draws.fill(&mut word);
+                let at = u32::from_le_bytes([word[0], word[1], word[2], word[3]]) as usize % bytes.len();
+                match word[4] % 4 {
+                    0 => bytes[at] = b"./\\\"{}-e09\n"[word[5] as usize % 11],
+                    1 => drop(bytes.remove(at)),
+                    2 => bytes.insert(at, b'.'),
+                    _ => bytes[at] = word[5] & 0x7f,
+                }
+            }
+            let Ok(record) = SampleRecord::from_line(&String::from_utf8_lossy(&bytes)) else { continue };
+            read += 1;
+            assert!(record.id.split('/').all(is_name));
+            assert!(record.files.values().all(|f| check_path(&f.path).is_ok()));
+        }
+        assert!(read > 100, "some changes are legal: {read}");
+    }
+
     #[test]
     fn names() {
         for good in ["a", "7", "canyon-gorge-7", "b03_a17", &"x".repeat(64)] {

@@ -179,6 +179,26 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
+    /// Takes a scene's shared files as they stand where a recorded sample of the scene names them, and says whether one
+    /// does: they need not be made again, which for a large scene takes longer than many of its pairs.
+    ///
+    /// # Errors
+    /// Where that record cannot be read.
+    pub fn adopt_scene(&self, scene: &str) -> Result<bool, WriteError> {
+        let below = format!("{scene}/");
+        let Some(id) =
+            locked(&self.recorded).range(below.clone()..).next().filter(|id| id.starts_with(&below)).cloned()
+        else {
+            return Ok(false);
+        };
+        let text = String::from_utf8_lossy(&self.store.get(&format!("{id}/{SAMPLE}"))?).into_owned();
+        let record = SampleRecord::from_line(&text)
+            .map_err(|e| WriteError::Damaged { id, what: format!("of its record, {e}") })?;
+        let shared = record.files.into_iter().filter(|(name, _)| matches!(name.as_str(), "scene" | "dsm" | "dtm"));
+        locked(&self.scenes).insert(scene.to_owned(), shared.collect());
+        Ok(true)
+    }
+
     /// Writes a sample's files and then its record.
     ///
     /// # Errors

@@ -158,6 +158,25 @@ fn a_finished_dataset_is_left_alone() {
 }
 
 #[test]
+fn a_scenes_files_are_adopted_from_its_records() {
+    let store = MemoryStore::default();
+    let contents = contents();
+    let scene = &contents.scenes[0].name;
+    let writer = Writer::open(&store, contents.clone()).unwrap();
+    assert!(!writer.adopt_scene(scene).unwrap());
+    writer.put_scene(scene, &scene_files(scene)).unwrap();
+    let first = writer.put_sample(synthetic(scene, "b00-a00", 12, 9)).unwrap();
+    drop(writer);
+    let writer = Writer::open(&store, contents.clone()).unwrap();
+    assert!(writer.adopt_scene(scene).unwrap());
+    assert!(!writer.adopt_scene(&contents.scenes[1].name).unwrap());
+    let second = writer.put_sample(synthetic(scene, "b00-a01", 12, 9)).unwrap();
+    for name in ["scene", "dsm", "dtm", "recipe"] {
+        assert_eq!(first.files[name], second.files[name]);
+    }
+}
+
+#[test]
 fn unfinished_means_no_part_and_no_manifest() {
     let store = MemoryStore::default();
     let contents = contents();

@@ -155,7 +155,9 @@ pub fn generate(
                 if stopped() {
                     return Ok(());
                 }
-                writer.put_scene(&spec.name, &built.files())?;
+                if !writer.adopt_scene(&spec.name)? {
+                    writer.put_scene(&spec.name, &built.files())?;
+                }
                 let rays = built.rays_per_pair();
                 let write = |sample: Option<Sample>| -> Result<(), WriteError> {
                     if let Some(sample) = sample {

@@ -153,6 +153,13 @@ impl Plane {
     /// # Errors
     /// Where the file is damaged, or its kind or size is not the expected one.
     pub fn decode(bytes: &[u8], kind: PixelKind, width: u32, height: u32) -> Result<Self, FormatError> {
+        let needed = u64::from(width) * u64::from(height) * kind.bytes_per_pixel() as u64;
+        if needed > decoded_bytes_at_most(bytes.len()) {
+            let found = bytes.len();
+            return Err(FormatError::Decode(format!(
+                "{found} bytes cannot hold {width} x {height} pixels of {kind:?}"
+            )));
+        }
         let pixels = match kind {
             PixelKind::Gray => Pixels::Gray(png::decode(bytes, kind, width, height)?),
             PixelKind::Rgb => Pixels::Rgb(png::decode(bytes, kind, width, height)?),
@@ -218,6 +225,12 @@ impl Plane {
             Err(FormatError::Length { width, height, kind, found })
         }
     }
+}
+
+/// What a file of a length can decode to at most: deflate makes up to 1,032 bytes of one. Sizes that a file claims are
+/// held against it before anything is allocated.
+pub fn decoded_bytes_at_most(file_bytes: usize) -> u64 {
+    (1 << 16) + 1032 * file_bytes as u64
 }
 
 fn update_chunked<T: Copy, const N: usize>(hasher: &mut blake3::Hasher, values: &[T], bytes: impl Fn(T) -> [u8; N]) {
@@ -325,6 +338,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A frame of one colour is what deflate shrinks most; it must still be readable, and a claim beyond it is refused.
+    #[test]
+    fn claims_beyond_what_deflate_can_do_are_refused() {
+        let side = 3000;
+        let plane = Plane { width: side, height: side, pixels: Pixels::Gray(vec![1; (side * side) as usize]) };
+        let bytes = plane.encode().unwrap();
+        assert!(Plane::decode(&bytes, PixelKind::Gray, side, side).is_ok());
+        let error = Plane::decode(&bytes[..100], PixelKind::Vector, 16384, 16384).unwrap_err().to_string();
+        assert!(error.contains("100 bytes cannot hold 16384 x 16384"), "{error}");
     }
 
     #[test]
