@@ -393,6 +393,45 @@ fn verify_and_info_tell_the_truth() {
     assert_same(&scene_files(tree(&again)), &scene_files(tree(&out)), "from the seed list");
 }
 
+/// The highest resident memory of a run that it says of itself, bytes.
+fn peak_memory(command: &mut Command) -> u64 {
+    let mut child = command.spawn().unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0;
+    while child.try_wait().unwrap().is_none() {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+        let kib = line.and_then(|l| l.split_whitespace().next()?.parse::<u64>().ok());
+        peak = peak.max(kib.unwrap_or(0) * 1024);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(child.wait().unwrap().success(), "{}", stderr_of(&mut child));
+    peak
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn memory_stays_under_the_printed_bound() {
+    use satseed::{pipeline::estimate, plan::Plan, recipe::Changes, recipe::Recipe};
+    let bench = Bench::new();
+    for (round, size) in [32, 128].into_iter().enumerate() {
+        let set = vec![
+            format!("camera.size_px=[{size}, {size}]"),
+            format!("camera.gsd_m={}", 40.0 / f64::from(size)),
+            "acquisition.pairs_per_pivot=2".to_owned(),
+        ];
+        let changes = Changes { set: set.clone(), seed: None, seed_list: None };
+        let recipe = Recipe::load(bench.folder.path().join("recipe.toml").to_str().unwrap(), &changes).unwrap();
+        let bound = estimate(&recipe, &Plan::new(&recipe).unwrap()).memory_bytes;
+        let set: Vec<String> = set.into_iter().map(|s| format!("--set={s}")).collect();
+        let set: Vec<&str> = set.iter().map(String::as_str).collect();
+        let peak = peak_memory(&mut bench.generate(&bench.out(&format!("run-{round}")), &set));
+        eprintln!("{size} px: peak {} of at most {} MB", peak / 1_000_000, bound / 1_000_000);
+        assert!(peak > 1_000_000, "the peak was not seen");
+        assert!(peak <= bound, "{peak} bytes were used, but at most {bound} were told");
+    }
+}
+
 /// A file system of a given size in memory; gone with this.
 struct SmallDisk(PathBuf);
 
