@@ -15,7 +15,7 @@ const HALF_M: f64 = 500.0;
 const FRAME_PX: u32 = 700;
 
 fn main() {
-    let rounds = std::env::args().filter_map(|a| a.parse().ok()).next().unwrap_or(5);
+    let rounds = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(5);
     let scene = scene();
     let start = Instant::now();
     let tracer = Tracer::new(&scene);

@@ -1,5 +1,7 @@
 //! Recipes, seed lists and overrides through the program: what is refused, how it is said, and that nothing is written.
 
+#![allow(clippy::unwrap_used, clippy::format_collect)]
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 

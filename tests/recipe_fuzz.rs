@@ -1,6 +1,8 @@
 //! Recipes, overrides and seed lists out of thin air: whatever the text, there is a legal recipe or one sentence, and never
 //! a panic. What is read can be written and read again.
 
+#![allow(clippy::unwrap_used, clippy::format_collect)]
+
 use satseed::plan::Plan;
 use satseed::recipe::{PRESETS, Preset, Recipe, RecipeError};
 use satseed_scene::{Rng, SeedPath};

@@ -171,7 +171,8 @@ pub(super) fn pitched_mass(b: &mut MeshBuilder, mass: &Mass) {
     let (m0, m1) = (mid(o[3], o[0]), mid(o[1], o[2]));
     let cut = hip * 0.5;
     let (r0, r1) = (m0 + (m1 - m0) * cut, m1 + (m0 - m1) * cut);
-    let thick = 0.22;
+    // A low ridge (the coping of a fence) has a thin roof: an edge higher than the ridge would turn the ends inside out.
+    let thick = (0.1 + 0.5 * rise_m).min(0.22);
     let p = |q: DVec2, h: f64| q.extend(h);
     let uv = |x: f64, y: f64| DVec2::new(x, y);
     let slope = |a: DVec2, r: DVec2| (a.distance(r) * a.distance(r) + rise_m * rise_m).sqrt();
