@@ -242,7 +242,7 @@ pub(crate) mod tests {
             assert!(record.id.split('/').all(is_name));
             assert!(record.files.values().all(|f| check_path(&f.path).is_ok()));
         }
-        assert!(read > 100, "some changes are legal: {read}");
+        assert!(read > 50, "some changes are legal: {read}");
     }
 
     #[test]
