@@ -23,7 +23,7 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
     if args.dry_run {
         write_stdout(|out| {
             write_summary(out, &cost, &plan)?;
-            writeln!(out, "time     about {} on {jobs} threads", duration_text(estimate_seconds(&cost, jobs)))
+            writeln!(out, "time     about {} on {jobs} threads", duration_text(estimate_seconds(&recipe, &plan, jobs)))
         })?;
         return Ok(Exit::Fine);
     }

@@ -115,11 +115,16 @@ pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     estimate
 }
 
-/// How long a run takes, about, seconds: measured on one scene of each region, so a first idea and no promise.
-pub fn estimate_seconds(cost: &Estimate, jobs: usize) -> f64 {
-    const RAYS_PER_SECOND_AND_THREAD: f64 = 4e5;
+/// How long a run takes, about, seconds: from runs of both regions, so a first idea and no promise.
+pub fn estimate_seconds(recipe: &Recipe, plan: &Plan, jobs: usize) -> f64 {
     const SECONDS_PER_SCENE: f64 = 20.0;
-    cost.scenes as f64 * SECONDS_PER_SCENE + cost.rays as f64 / RAYS_PER_SECOND_AND_THREAD / jobs.max(1) as f64
+    // One thread's.
+    const RAYS_PER_SECOND: f64 = 2e5;
+    const MAP_CELLS_PER_SECOND: f64 = 3.5e4;
+    let cells: f64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, recipe.camera().gsd_m) as f64).sum();
+    let rays = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT).rays as f64;
+    let parallel = rays / RAYS_PER_SECOND + cells / MAP_CELLS_PER_SECOND;
+    plan.scenes.len() as f64 * SECONDS_PER_SCENE + parallel / jobs.max(1) as f64
 }
 
 /// Runs a plan into a store. The caller holds the folder's lock.

@@ -170,6 +170,11 @@ fn height_map(raster: Raster<f32>) -> HeightMap {
 /// What the surface models of a scene take while they are made and encoded, bytes: the lines' answers twice, three
 /// rasters, one of them turned and encoded.
 pub(super) fn surface_model_bytes(region: &Region, cell_m: f64) -> u64 {
+    map_cells(region, cell_m) * (2 * 12 + 9 + 12)
+}
+
+/// Cells of a scene's surface model.
+pub(super) fn map_cells(region: &Region, cell_m: f64) -> u64 {
     let side = (2.0 * region.full_detail_radius_m() / cell_m) as u64 + 1;
-    side * side * (2 * 12 + 9 + 12)
+    side * side
 }
