@@ -112,6 +112,9 @@ pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     let mut estimate = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT);
     let models = plan.scenes.iter().map(|s| scene::surface_model_bytes(&s.region, recipe.camera().gsd_m)).max();
     estimate.memory_bytes += models.unwrap_or(0);
+    // Both maps, compressed: 1.4 bytes a cell in a city, 3.7 in a canyon.
+    let cells: u64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, recipe.camera().gsd_m)).sum();
+    estimate.disk_bytes += 3 * cells;
     estimate
 }
 
