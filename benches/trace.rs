@@ -37,7 +37,14 @@ fn main() {
     });
     let hits = primary(&tracer, &rig.left);
     let sun = DVec3::new(0.4, -0.5, 0.77).normalize();
-    let mut table: [(&str, Vec<f64>); 4] = ["primary", "label", "sun", "ambient"].map(|n| (n, Vec::new()));
+    let starts: Vec<Origin> = hits.iter().map(Origin::on).collect();
+    let mut table: [(&str, Vec<f64>); 7] =
+        ["primary", "label", "sun", "ambient", "primary, bundles", "label, bundles", "sun, bundles"]
+            .map(|n| (n, Vec::new()));
+    let frame = tiled(&rig.left);
+    let tiled_hits: Vec<Hit> = tracer.closest_all(&frame).into_iter().flatten().collect();
+    let label: Vec<(Origin, DVec3)> = tiled_hits.iter().map(|h| (Origin::on(h), rig.right.position_m)).collect();
+    let sunward: Vec<(Origin, DVec3)> = tiled_hits.iter().map(|h| (Origin::on(h), sun)).collect();
     let mut sink = 0;
     for _ in 0..rounds {
         let mut time = |k: usize, run: &mut dyn FnMut() -> usize| {
@@ -46,8 +53,11 @@ fn main() {
             table[k].1.push(hits.len() as f64 / start.elapsed().as_secs_f64() / 1e6);
         };
         time(0, &mut || primary(&tracer, &rig.left).len());
-        time(1, &mut || hits.iter().filter(|h| tracer.occluded(&Origin::on(h), rig.right.position_m)).count());
-        time(2, &mut || hits.iter().filter(|h| tracer.blocked(&Origin::on(h), sun, 3000.0)).count());
+        time(1, &mut || starts.iter().filter(|o| tracer.occluded(o, rig.right.position_m)).count());
+        time(2, &mut || starts.iter().filter(|o| tracer.blocked(o, sun, 3000.0)).count());
+        time(4, &mut || frame.chunks(256).map(|tile| tracer.closest_all(tile).len()).sum());
+        time(5, &mut || label.chunks(256).map(|tile| tracer.occluded_all(tile).len()).sum());
+        time(6, &mut || sunward.chunks(256).map(|tile| tracer.blocked_all(tile).len()).sum());
         time(3, &mut || {
             let mut rng = SeedPath::root("ambient", 1).rng();
             hits.iter()
@@ -60,7 +70,7 @@ fn main() {
     }
     for (name, mut speeds) in table {
         speeds.sort_by(f64::total_cmp);
-        println!("{name:8} {:6.2} Mrays/s median of {rounds}", speeds[speeds.len() / 2]);
+        println!("{name:16} {:6.2} Mrays/s median of {rounds}", speeds[speeds.len() / 2]);
     }
     println!("({sink} answers)");
 }
@@ -72,6 +82,21 @@ fn primary(tracer: &Tracer, camera: &Camera) -> Vec<Hit> {
             tracer.closest(&ray, 3000.0)
         })
         .collect()
+}
+
+/// The frame's rays in tiles of 16 x 16.
+fn tiled(camera: &Camera) -> Vec<Ray> {
+    let mut rays = Vec::new();
+    for tile in 0..(FRAME_PX / 16) * (FRAME_PX / 16) {
+        let (left, top) = (tile % (FRAME_PX / 16) * 16, tile / (FRAME_PX / 16) * 16);
+        for k in 0..256 {
+            // Packets of 4 x 4.
+            let (p, r) = (k / 16, k % 16);
+            let (u, v) = (left + p % 4 * 4 + r % 4, top + p / 4 * 4 + r / 4);
+            rays.push(camera.ray(f64::from(u), f64::from(v)));
+        }
+    }
+    rays
 }
 
 fn scene() -> Scene {

@@ -8,6 +8,7 @@ mod oracle {
     mod agreement;
     pub(crate) mod bins;
     pub(crate) mod brute;
+    mod bundles;
     pub(crate) mod compare;
     mod consistency;
     pub(crate) mod double;

@@ -58,7 +58,7 @@ pub fn explain(tracer: &Tracer, rig: &StereoRig, view: View, pixel: [u32; 2]) ->
             occluder: None,
         };
     };
-    let validity = validity(tracer, other, &hit);
+    let validity = validity(tracer, other, &[Some(hit)])[0];
     let occluder = (validity == Validity::Occluded)
         .then(|| tracer.occluder(&Origin::on(&hit), other.centre_for(hit.point)))
         .flatten();

@@ -59,16 +59,21 @@ pub(crate) fn disparity_px(rig: &StereoRig, point: DVec3) -> Option<f64> {
     Some(rig.left.project(point)?.x - rig.right.project(point)?.x)
 }
 
-/// The second step: may the point that `camera` sees be matched in `other`?
-pub(crate) fn validity(tracer: &Tracer, other: &Camera, hit: &Hit) -> Validity {
-    match other.project(hit.point) {
-        Some(image) if other.in_frame(image) => {
-            if tracer.occluded(&Origin::on(hit), other.centre_for(hit.point)) {
-                Validity::Occluded
-            } else {
-                Validity::Valid
-            }
-        }
-        _ => Validity::OutOfFrame,
+/// The second step for the points that one camera sees: may they be matched in `other`?
+pub(crate) fn validity(tracer: &Tracer, other: &Camera, hits: &[Option<Hit>]) -> Vec<Validity> {
+    let mut validity: Vec<Validity> =
+        hits.iter().map(|hit| if hit.is_some() { Validity::OutOfFrame } else { Validity::Miss }).collect();
+    let in_frame = |hit: &Hit| other.project(hit.point).is_some_and(|image| other.in_frame(image));
+    let (asking, lines): (Vec<usize>, Vec<(Origin, DVec3)>) = hits
+        .iter()
+        .enumerate()
+        .filter_map(|(i, hit)| {
+            let hit = hit.as_ref().filter(|hit| in_frame(hit))?;
+            Some((i, (Origin::on(hit), other.centre_for(hit.point))))
+        })
+        .unzip();
+    for (i, occluded) in asking.into_iter().zip(tracer.occluded_all(&lines)) {
+        validity[i] = if occluded { Validity::Occluded } else { Validity::Valid };
     }
+    validity
 }

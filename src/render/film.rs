@@ -5,8 +5,9 @@ use super::sampling::Sample;
 use super::shading::radiance;
 use crate::camera::Camera;
 use rayon::prelude::*;
-use satseed_scene::Bands;
-use satseed_tracer::Tracer;
+use satseed_scene::{Bands, Ray};
+use satseed_tracer::{TILE_SIDE, Tracer, tile_order};
+use std::ops::Range;
 
 /// Radiance at the ground of every pixel after the optics, W / (m^2 sr um), row by row from the top.
 #[derive(Clone, Debug)]
@@ -48,14 +49,20 @@ pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u
     let (width, height) = (camera.width_px, camera.height_px);
     let fine_height = (height * grid.fine) as i32;
     // Each fine row is blurred along itself and decimated at once: what stays is as wide as the image.
-    let rows: Vec<Vec<Bands>> = (-margin..fine_height + margin)
+    let tops: Vec<i32> = (-margin..fine_height + margin).step_by(TILE_SIDE as usize).collect();
+    let bands: Vec<Vec<Vec<Bands>>> = tops
         .into_par_iter()
-        .map(|row| {
+        .map(|top| {
             let columns = -margin..(width * grid.fine) as i32 + margin;
-            let fine: Vec<Bands> = columns.map(|column| cell(tracer, camera, light, grid, column, row)).collect();
-            (0..width as usize).map(|u| weighted(&kernel, &fine[u * grid.fine as usize..])).collect()
+            let rows = top..(top + TILE_SIDE as i32).min(fine_height + margin);
+            let blur = |fine: &[Bands]| {
+                (0..width as usize).map(|u| weighted(&kernel, &fine[u * grid.fine as usize..])).collect()
+            };
+            let length = columns.len();
+            cells(tracer, camera, light, grid, columns, rows).chunks(length).map(blur).collect()
         })
         .collect();
+    let rows: Vec<Vec<Bands>> = bands.into_iter().flatten().collect();
     let data: Vec<Vec<Bands>> = (0..height as usize)
         .into_par_iter()
         .map(|v| {
@@ -96,27 +103,48 @@ fn kernel(sigma: f64, fine: u32) -> Vec<f32> {
     weights.into_iter().map(|w| (w / total) as f32).collect()
 }
 
-/// Mean radiance of one fine cell.
-fn cell(tracer: &Tracer, camera: &Camera, light: &Light, grid: Grid, column: i32, row: i32) -> Bands {
-    let cells = f64::from(grid.fine);
+/// Mean radiance of fine cells, row by row.
+fn cells(
+    tracer: &Tracer,
+    camera: &Camera,
+    light: &Light,
+    grid: Grid,
+    columns: Range<i32>,
+    rows: Range<i32>,
+) -> Vec<Bands> {
     let side = f64::from(grid.side);
     let count = grid.side * grid.side;
     // Footprint of one sample per metre of distance.
-    let spread = 1.0 / (camera.fx_px * cells * side);
+    let spread = 1.0 / (camera.fx_px * f64::from(grid.fine) * side);
     // Both views of a pair have cameras of their own place: their sampling patterns are unrelated.
     let key = (camera.position_m.x.to_bits() ^ camera.position_m.y.to_bits().rotate_left(17)) as u32
         ^ (camera.position_m.x.to_bits() >> 32) as u32;
-    let mut sum = Bands::ZERO;
-    for index in 0..count {
-        let sample = Sample::new(column, row, index, count, key);
-        let jitter = sample.square(0);
-        let place =
-            |base: i32, step: u32, jitter: f64| (f64::from(base) + (f64::from(step) + jitter) / side) / cells - 0.5;
-        let u = place(column, index % grid.side, jitter.x);
-        let v = place(row, index / grid.side, jitter.y);
-        sum += radiance(tracer, light, &camera.ray(u, v), spread, &sample);
+    let mut means = vec![Bands::ZERO; columns.len() * rows.len()];
+    for left in columns.clone().step_by(TILE_SIDE as usize) {
+        let tile_columns = TILE_SIDE.min((columns.end - left) as u32);
+        let tile: Vec<(i32, i32)> = tile_order(tile_columns, rows.len() as u32)
+            .map(|(x, y)| (left + x as i32, rows.start + y as i32))
+            .collect();
+        for index in 0..count {
+            let samples: Vec<Sample> =
+                tile.iter().map(|(column, row)| Sample::new(*column, *row, index, count, key)).collect();
+            let ray = |((column, row), sample): (&(i32, i32), &Sample)| {
+                let jitter = sample.square(0);
+                let place = |base: i32, step: u32, jitter: f64| {
+                    (f64::from(base) + (f64::from(step) + jitter) / side) / f64::from(grid.fine) - 0.5
+                };
+                camera.ray(place(*column, index % grid.side, jitter.x), place(*row, index / grid.side, jitter.y))
+            };
+            let rays: Vec<Ray> = tile.iter().zip(&samples).map(ray).collect();
+            for ((column, row), value) in tile.iter().zip(radiance(tracer, light, &rays, spread, &samples)) {
+                means[(row - rows.start) as usize * columns.len() + (column - columns.start) as usize] += value;
+            }
+        }
     }
-    sum * (1.0 / count as f32)
+    for mean in &mut means {
+        *mean = *mean * (1.0 / count as f32);
+    }
+    means
 }
 
 #[cfg(test)]

@@ -16,22 +16,60 @@ mod purpose {
     pub(super) const BOUNCE_SUN: u32 = 4;
 }
 
-/// Radiance at the ground along a camera ray, W / (m^2 sr um). `spread` is the footprint's growth per metre.
-pub(super) fn radiance(tracer: &Tracer, light: &Light, ray: &Ray, spread: f64, sample: &Sample) -> Bands {
-    let Some(hit) = tracer.closest(ray, tracer.reach_m(ray.origin)) else {
-        return light.sky_radiance(ray.direction);
-    };
-    let (shade, origin) = surface(tracer, ray, &hit, hit.t * spread);
-    let mut sum = direct(tracer, light, &hit, &shade, &origin, ray.direction, sample, purpose::SUN);
-    sum += dome(tracer, light, &hit, &shade, &origin, sample);
-    if let Brdf::Coated { index } = shade.brdf {
-        let cos = -ray.direction.dot(shade.normal);
-        let fresnel = fresnel(cos.clamp(0.0, 1.0) as f32, index);
-        let mirrored = (ray.direction + shade.normal * (2.0 * cos)).normalize();
-        let seen = incoming(tracer, light, &origin, mirrored, sample);
-        sum = sum * (1.0 - fresnel) + seen * fresnel;
+/// A surface point under way to a colour.
+struct Lit {
+    hit: Hit,
+    shade: Shade,
+    origin: Origin,
+}
+
+/// Radiance at the ground along camera rays, W / (m^2 sr um). `spread` is the footprint's growth per metre. Neighbouring
+/// rays cost least.
+pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64, samples: &[Sample]) -> Vec<Bands> {
+    let points: Vec<Option<Lit>> = tracer
+        .closest_all(rays)
+        .into_iter()
+        .zip(rays)
+        .map(|(hit, ray)| {
+            let hit = hit?;
+            let (shade, origin) = surface(tracer, ray, &hit, hit.t * spread);
+            Some(Lit { hit, shade, origin })
+        })
+        .collect();
+    let mut sums: Vec<Bands> = points
+        .iter()
+        .zip(rays)
+        .map(|(point, ray)| if point.is_some() { Bands::ZERO } else { light.sky_radiance(ray.direction) })
+        .collect();
+    // The sun's rays go side by side too.
+    let mut scattered = Vec::with_capacity(rays.len());
+    let mut sunward = Vec::with_capacity(rays.len());
+    for (i, point) in points.iter().enumerate() {
+        let Some(Lit { hit, shade, origin }) = point else { continue };
+        let (to_sun, radiance) = sunlit(light, hit, shade, rays[i].direction, &samples[i], purpose::SUN);
+        if radiance.max_band() > 0.0 {
+            scattered.push((i, radiance));
+            sunward.push((*origin, to_sun));
+        }
     }
-    sum
+    for ((i, radiance), blocked) in scattered.into_iter().zip(tracer.blocked_all(&sunward)) {
+        if !blocked {
+            sums[i] = radiance;
+        }
+    }
+    for (i, point) in points.iter().enumerate() {
+        let Some(Lit { hit, shade, origin }) = point else { continue };
+        let (direction, sample) = (rays[i].direction, &samples[i]);
+        sums[i] += dome(tracer, light, hit, shade, origin, sample);
+        if let Brdf::Coated { index } = shade.brdf {
+            let cos = -direction.dot(shade.normal);
+            let fresnel = fresnel(cos.clamp(0.0, 1.0) as f32, index);
+            let mirrored = (direction + shade.normal * (2.0 * cos)).normalize();
+            let seen = incoming(tracer, light, origin, mirrored, sample);
+            sums[i] = sums[i] * (1.0 - fresnel) + seen * fresnel;
+        }
+    }
+    sums
 }
 
 /// The material at a hit over a footprint (m, square on), and the start of the rays that leave it.
@@ -60,7 +98,11 @@ fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -> (Shade, O
             let n = mesh.normals[corners[k]];
             sum + DVec3::new(f64::from(n[0]), f64::from(n[1]), f64::from(n[2])) * w[k]
         });
-        let world = instance.world_from_object.matrix3.inverse().transpose() * smooth;
+        // The cofactors turn normals as the inverse's transpose does, up to a length that does not count here.
+        let m = instance.world_from_object.matrix3;
+        let world = m.y_axis.cross(m.z_axis) * smooth.x
+            + m.z_axis.cross(m.x_axis) * smooth.y
+            + m.x_axis.cross(m.y_axis) * smooth.z;
         let n = world.try_normalize().unwrap_or(hit.normal);
         if n.dot(hit.normal) < 0.0 { -n } else { n }
     };
@@ -82,24 +124,10 @@ fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -> (Shade, O
     (shade, Origin::on(hit))
 }
 
-/// Radiance scattered from the sun's disc.
-#[allow(clippy::too_many_arguments)]
-fn direct(
-    tracer: &Tracer,
-    light: &Light,
-    hit: &Hit,
-    shade: &Shade,
-    origin: &Origin,
-    view: DVec3,
-    sample: &Sample,
-    purpose: u32,
-) -> Bands {
+/// A direction to the sun's disc, and the radiance scattered from there if nothing stands between.
+fn sunlit(light: &Light, hit: &Hit, shade: &Shade, view: DVec3, sample: &Sample, purpose: u32) -> (DVec3, Bands) {
     let to_sun = disc_direction(light.sun, Environment::SUN_ANGULAR_RADIUS_RAD, sample.square(purpose));
-    let scattered = scatter(shade, hit.normal, to_sun, view);
-    if scattered.max_band() <= 0.0 || tracer.blocked(origin, to_sun, tracer.reach_m(hit.point)) {
-        return Bands::ZERO;
-    }
-    light.sun_irradiance * scattered
+    (to_sun, light.sun_irradiance * scatter(shade, hit.normal, to_sun, view))
 }
 
 /// Bidirectional reflectance times the cosine, per unit of irradiance on a surface that faces the light.
@@ -178,7 +206,10 @@ fn incoming(tracer: &Tracer, light: &Light, from: &Origin, direction: DVec3, sam
     let ray = Ray { origin: from.point(), direction };
     // One of many directions: the other surface counts with its mean colour over a good part of itself.
     let (shade, origin) = surface(tracer, &ray, &hit, BOUNCE_FOOTPRINT_M.max(0.3 * hit.t));
-    let sun = direct(tracer, light, &hit, &shade, &origin, direction, sample, purpose::BOUNCE_SUN);
+    let (to_sun, mut sun) = sunlit(light, &hit, &shade, direction, sample, purpose::BOUNCE_SUN);
+    if sun.max_band() > 0.0 && tracer.blocked(&origin, to_sun, tracer.reach_m(hit.point)) {
+        sun = Bands::ZERO;
+    }
     // Half the dome, for a wall sees half of it and a street less: the series of further bounces ends here.
     sun + shade.albedo * light.sky_irradiance * (0.5 * INV_PI)
 }
@@ -248,7 +279,9 @@ mod tests {
         let (mut sun, mut sky) = (0.0, 0.0);
         for i in 0..count {
             let sample = Sample::new(1, 1, i, count, 5);
-            sun += direct(&tracer, &light, &hit, &shade, &origin, ray.direction, &sample, purpose::SUN)[1];
+            let (to_sun, radiance) = sunlit(&light, &hit, &shade, ray.direction, &sample, purpose::SUN);
+            assert!(!tracer.blocked(&origin, to_sun, 1e4));
+            sun += radiance[1];
             sky += dome(&tracer, &light, &hit, &shade, &origin, &sample)[1];
         }
         let n = count as f32;

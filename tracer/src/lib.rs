@@ -11,11 +11,18 @@
 //!
 //! Surfaces are two-sided, and a ray cannot slip between triangles that share an edge (Woop, Benthin, Wald 2013).
 
+mod bundle;
 mod bvh8;
+mod query;
+mod simd;
+mod single;
 mod slab;
 mod surface;
 mod traverse;
+mod tree;
 mod triangle;
 
+pub use bundle::{TILE_SIDE, tile_order};
+pub use simd::InstructionSet;
 pub use surface::{Hit, Origin, tie_tolerance_m};
 pub use traverse::Tracer;

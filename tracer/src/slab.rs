@@ -4,6 +4,7 @@
 //! origin, the direction, the differences) displaces the ray by less than `slack`, so boxes are grown by it, and the
 //! distances are compared with a relative allowance.
 
+use crate::simd::Wide;
 use glam::DVec3;
 
 /// Relative allowance of f32 distances: eight units in the last place.
@@ -80,9 +81,9 @@ impl SlabRay {
         };
         let e = slack as f32;
         Self {
-            low_from: from.to_array().map(|x| x as f32 + e),
-            high_from: from.to_array().map(|x| x as f32 - e),
-            inverse: direction.to_array().map(inverse),
+            low_from: [from.x as f32 + e, from.y as f32 + e, from.z as f32 + e],
+            high_from: [from.x as f32 - e, from.y as f32 - e, from.z as f32 - e],
+            inverse: [inverse(direction.x), inverse(direction.y), inverse(direction.z)],
             start_t,
         }
     }
@@ -96,9 +97,9 @@ impl SlabRay {
 
     /// Entry distances of the eight boxes, and a bit for each that is met before `limit`.
     #[inline(always)]
-    pub(crate) fn meet(&self, boxes: &Boxes8, limit: f32) -> ([f32; 8], u32) {
-        let mut near = [0.0_f32; 8];
-        let mut far = [limit; 8];
+    pub(crate) fn meet<X: Wide<8>>(&self, boxes: &Boxes8, limit: f32) -> ([f32; 8], u32) {
+        let mut near = X::splat(0.0);
+        let mut far = X::splat(limit);
         for axis in 0..3 {
             let (lo, hi, inv) = (self.low_from[axis], self.high_from[axis], self.inverse[axis]);
             // The nearer border is the lower one where the ray goes up.
@@ -107,24 +108,19 @@ impl SlabRay {
             } else {
                 (&boxes.high[axis], &boxes.low[axis], hi, lo)
             };
-            for lane in 0..8 {
-                let n = (first[lane] - a) * inv;
-                let f = (second[lane] - b) * inv;
-                near[lane] = if n > near[lane] { n } else { near[lane] };
-                far[lane] = if f < far[lane] { f } else { far[lane] };
-            }
+            let inv = X::splat(inv);
+            near = X::load(first).sub(X::splat(a)).mul(inv).max(near);
+            far = X::load(second).sub(X::splat(b)).mul(inv).min(far);
         }
-        let mut met = 0;
-        for lane in 0..8 {
-            met |= u32::from(near[lane] <= far[lane] + far[lane].abs() * RELATIVE) << lane;
-        }
-        (near, met)
+        let met = near.le(far.add(far.abs().mul(X::splat(RELATIVE))));
+        (near.store(), met)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{Lanes, Portable};
 
     #[test]
     fn a_box_that_is_met_in_f64_is_never_missed_in_f32() {
@@ -153,7 +149,7 @@ mod tests {
                 boxes.high[axis][3] = one.high[axis] as f32;
             }
             let ray = SlabRay::new(origin, direction, near, slack);
-            assert_eq!(ray.meet(&boxes, f32::MAX).1, 1 << 3, "{one:?} from {origin}");
+            assert_eq!(ray.meet::<<Portable as Lanes>::X8>(&boxes, f32::MAX).1, 1 << 3, "{one:?} from {origin}");
             met += 1;
         }
         assert!(met > 10_000, "only {met} cases tested anything");

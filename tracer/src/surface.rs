@@ -66,10 +66,16 @@ impl Origin {
         self.point
     }
 
+    /// Whether this is the triangle that the start lies on.
+    #[inline]
+    pub(crate) fn is_on(&self, instance: u32, triangle: u32) -> bool {
+        (instance, triangle) == (self.instance, self.triangle)
+    }
+
     /// Whether a crossing at distance `t` and point `at` with a triangle is the start's own surface.
     #[inline]
     pub(crate) fn is_own_surface(&self, instance: u32, triangle: u32, corners: &[DVec3; 3], t: f64, at: DVec3) -> bool {
-        if t <= self.error_bound_m || (instance == self.instance && triangle == self.triangle) {
+        if t <= self.error_bound_m || self.is_on(instance, triangle) {
             return true;
         }
         let off_plane_m = (at - self.point).dot(self.normal).abs();
