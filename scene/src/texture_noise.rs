@@ -122,10 +122,10 @@ mod tests {
 
     #[test]
     fn noise_is_centred_bounded_and_of_the_stated_deviation() {
+        type Case<'a> = (&'a str, f64, f64, &'a dyn Fn(i32) -> f32);
         let n = 200_000;
         let at = |i: i32| (f64::from(i) * 0.1371, f64::from(i % 977) * 0.713, f64::from(i % 313) * 0.377);
         let slope = f64::from(SLOPE_DEVIATION);
-        type Case<'a> = (&'a str, f64, f64, &'a dyn Fn(i32) -> f32);
         let cases: [Case<'_>; 4] = [
             ("2d", f64::from(NOISE_DEVIATION), 1.45, &|i| noise_2d(at(i).0, at(i).1, 9)),
             ("3d", f64::from(NOISE_DEVIATION), 1.45, &|i| noise_3d(at(i).0, at(i).1, at(i).2, 9)),
