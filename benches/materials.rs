@@ -2,7 +2,7 @@
 //!
 //! The points are those that a frame of each region sees, and those that its bounced rays meet; medians of rounds. `all`
 //! prints every material, else the ten that take most of the time.
-#![allow(clippy::print_stdout, missing_docs)]
+#![allow(clippy::print_stdout, clippy::format_collect, missing_docs)]
 
 use glam::{DVec2, DVec3};
 use satseed::camera::{Datum, RigSpec, StereoRig};
@@ -15,6 +15,9 @@ const RADIUS_M: f64 = 110.0;
 const FRAME_PX: u32 = 450;
 /// Of 16 and 4 samples a pixel of 0.3 m, of a whole pixel, and of a bounced ray (at least).
 const FOOTPRINTS_M: [f64; 4] = [0.075, 0.15, 0.3, 1.5];
+
+/// Places, each with the index of its material.
+type Places = Vec<(u32, SurfacePoint)>;
 
 fn main() {
     let rounds = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(5);
@@ -79,7 +82,7 @@ fn median_ns(scene: &Scene, material: &Material, set: &[SurfacePoint], rounds: u
 }
 
 /// Material and place of what a frame sees, and of what one bounced ray from each of these meets.
-fn points(scene: &Scene) -> (Vec<(u32, SurfacePoint)>, Vec<(u32, SurfacePoint)>) {
+fn points(scene: &Scene) -> (Places, Places) {
     let tracer = Tracer::new(scene);
     let camera = StereoRig::new(RigSpec {
         altitude_m: 1000.0,
