@@ -12,7 +12,9 @@ use satseed::camera::{Datum, StereoRig};
 use satseed::labels::{Extra, Validity, View, ViewLabels, extract};
 use satseed::render::{Image, Sensor, Settings, render};
 use satseed_generators::Region;
-use satseed_scene::{Bands, Class, Environment, Field, Layer, Material, Scene, SeedPath, Space, gradient_noise_2d};
+use satseed_scene::{
+    Bands, Class, Environment, Field, Fractal, Layer, Material, Scene, SeedPath, Space, gradient_noise_2d,
+};
 use satseed_tracer::Tracer;
 use support::solids::{cuboid, grid};
 use support::stage::{RigCase, Stage, noon};
@@ -134,14 +136,8 @@ fn textured() -> Scene {
     }
     let mut scene = stage.finish();
     for (k, m) in scene.materials.iter_mut().enumerate() {
-        let noise = |wavelength_m, gain| Field::Noise {
-            space: Space::World,
-            seed: k as u32 + 7,
-            wavelength_m,
-            octaves: 3,
-            gain,
-            stretch: [1.0; 3],
-        };
+        let noise =
+            |wavelength_m, gain| Field::Noise(Fractal::new(Space::World, k as u32 + 7, wavelength_m, 3).gain(gain));
         *m = Material::diffuse(&m.name, m.class, Bands::grey(0.22)).with(Layer::Brightness { amount: noise(4.0, 0.7) });
     }
     scene

@@ -1,11 +1,13 @@
 //! Scalar texture fields: data, and the one evaluator that knows what they mean.
 //!
-//! Every primitive returns its mean over the footprint and the standard deviation that the footprint swallowed. A
-//! threshold ([`Field::Ramp`]) widens by that deviation, so that a far view of a speckled surface has the colour of the
-//! speckles' mean and not that of their mean height.
+//! Every primitive returns its mean over the footprint and the variance that the footprint swallowed. A threshold
+//! ([`Field::Ramp`]) widens by that deviation, so that a far view of a speckled surface has the colour of the speckles'
+//! mean and not that of their mean height.
 
-use crate::noise::{NOISE_DEVIATION, gradient_noise_2d, gradient_noise_3d, hash_cell, unit_from_hash};
-use crate::raster::MaterialRaster;
+use crate::fractal::Fractal;
+use crate::noise::{hash_cell, unit_from_hash};
+use crate::raster::{CHANNELS, MaterialRaster};
+use crate::texture_noise::{SLOPE_DEVIATION, floor, slope_2d};
 use glam::{DVec2, DVec3};
 
 /// A point of a surface as a texture sees it.
@@ -30,6 +32,8 @@ pub struct SurfacePoint {
 pub enum Space {
     /// World east, north, up.
     World,
+    /// World east and north alone (third coordinate 0): vertical surfaces have vertical streaks.
+    Plan,
     /// The object's own frame.
     Object,
     /// The mesh's texture coordinates (third coordinate 0).
@@ -61,21 +65,8 @@ pub enum Field {
     Constant(f32),
     /// A coordinate, m.
     Along(Coordinate),
-    /// Fractal gradient noise: mean 0, range about -1..1. Octaves shorter than two footprints are dropped.
-    Noise {
-        /// What it is keyed by. In [`Space::Uv`] it is two-dimensional, else three-dimensional.
-        space: Space,
-        /// Seed.
-        seed: u32,
-        /// Wavelength of the first octave, m.
-        wavelength_m: f32,
-        /// Number of octaves; each is 1.93 times shorter than the one before.
-        octaves: u8,
-        /// Amplitude of an octave relative to the one before; the sum is normalised to the first.
-        gain: f32,
-        /// Wavelengths along the axes are multiplied by this: (1, 1, 8) makes vertical streaks.
-        stretch: [f32; 3],
-    },
+    /// Fractal gradient noise: mean 0, range about -1..1.
+    Noise(Fractal),
     /// A value of its own, uniform in -1..1, for every cell of a grid. Axes whose size is 0 are not cut.
     Cells {
         /// What it is keyed by.
@@ -109,15 +100,20 @@ pub enum Field {
         /// Width of a border, m.
         width_m: f32,
     },
-    /// A raster of the scene by its index, over world east and north, 0..1.
-    Raster(u32),
+    /// A raster of the scene over world east and north, 0..1.
+    Raster {
+        /// Its index in the scene.
+        raster: u32,
+        /// Which of its channels.
+        channel: u8,
+    },
     /// Upward component of the unit normal: 1 flat, 0 vertical.
     Upward,
     /// Cosine of the normal with a unit direction.
     Facing([f32; 3]),
     /// One of the instance's four numbers, -1..1.
     Variation(u8),
-    /// The inner field at a place shifted by noise: `amplitude_m` in all axes of all spaces.
+    /// The inner field at a place shifted along the first two axes of all spaces, by the slope of a noise over the plan.
     Warped {
         /// The field.
         of: Box<Field>,
@@ -125,7 +121,7 @@ pub enum Field {
         seed: u32,
         /// Wavelength of the shift, m.
         wavelength_m: f32,
-        /// Greatest shift, m.
+        /// About the greatest shift along an axis, m.
         amplitude_m: f32,
     },
     /// `of * by + plus`.
@@ -154,33 +150,67 @@ pub enum Field {
     },
 }
 
-/// A field's mean over the footprint and the deviation that the footprint hides.
+/// A field's mean over the footprint and the variance that the footprint hides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filtered {
     /// Mean over the footprint.
     pub mean: f32,
-    /// Standard deviation within the footprint.
-    pub deviation: f32,
+    /// Variance within the footprint.
+    pub variance: f32,
 }
 
 impl Filtered {
     const fn exact(mean: f32) -> Self {
-        Self { mean, deviation: 0.0 }
+        Self { mean, variance: 0.0 }
     }
 }
 
-/// How much shorter each octave of noise is. Not an integer, so that lattices never fall together.
-const LACUNARITY: f64 = 1.93;
+/// A point under evaluation: what several fields of one material ask for is worked out once.
+pub(crate) struct Look<'a> {
+    pub(crate) point: &'a SurfacePoint,
+    rasters: &'a [MaterialRaster],
+    /// The raster looked at last, and its channels here.
+    last: Option<u32>,
+    channels: [f32; CHANNELS],
+    /// The noise evaluated last, and its value here.
+    last_noise: Option<(&'a Fractal, Filtered)>,
+}
+
+impl<'a> Look<'a> {
+    pub(crate) fn new(point: &'a SurfacePoint, rasters: &'a [MaterialRaster]) -> Self {
+        Self { point, rasters, last: None, channels: [0.0; CHANNELS], last_noise: None }
+    }
+
+    fn noise(&mut self, fractal: &'a Fractal) -> Filtered {
+        match self.last_noise {
+            Some((last, value)) if last.is(fractal) => value,
+            _ => {
+                let value = fractal.evaluate(self.point);
+                self.last_noise = Some((fractal, value));
+                value
+            }
+        }
+    }
+
+    fn raster(&mut self, raster: u32, channel: u8) -> f32 {
+        if self.last != Some(raster) {
+            let p = self.point;
+            self.channels = self.rasters[raster as usize].sample(p.world_m.truncate(), p.footprint_m);
+            self.last = Some(raster);
+        }
+        self.channels[channel as usize]
+    }
+}
 
 impl Field {
     /// Fractal noise keyed by world position.
     pub fn world_noise(seed: u32, wavelength_m: f32, octaves: u8) -> Self {
-        Self::Noise { space: Space::World, seed, wavelength_m, octaves, gain: 0.5, stretch: [1.0; 3] }
+        Self::Noise(Fractal::new(Space::World, seed, wavelength_m, octaves))
     }
 
     /// Fractal noise keyed by position in the object's frame.
     pub fn object_noise(seed: u32, wavelength_m: f32, octaves: u8) -> Self {
-        Self::Noise { space: Space::Object, seed, wavelength_m, octaves, gain: 0.5, stretch: [1.0; 3] }
+        Self::Noise(Fractal::new(Space::Object, seed, wavelength_m, octaves))
     }
 
     /// `self * by`.
@@ -203,67 +233,93 @@ impl Field {
 
     /// The field's value at a point of a surface.
     pub fn evaluate(&self, p: &SurfacePoint, rasters: &[MaterialRaster]) -> Filtered {
+        self.at(&mut Look::new(p, rasters))
+    }
+
+    pub(crate) fn at<'a>(&'a self, look: &mut Look<'a>) -> Filtered {
+        let p = look.point;
         match self {
             Self::Constant(value) => Filtered::exact(*value),
             Self::Along(c) => Filtered::exact(coordinate(p, *c) as f32),
-            Self::Noise { space, seed, wavelength_m, octaves, gain, stretch } => {
-                fractal(p, *space, *seed, *wavelength_m, *octaves, *gain, *stretch)
-            }
+            Self::Noise(fractal) => look.noise(fractal),
             Self::Cells { space, seed, size_m, stagger } => cells(p, *space, *seed, *size_m, *stagger),
             Self::Stripes { across, period_m, width_m, offset_m } => {
                 stripes(coordinate(p, *across) - f64::from(*offset_m), *period_m, *width_m, p.footprint_m)
             }
             Self::Cracks { space, seed, cell_m, width_m } => cracks(p, *space, *seed, *cell_m, *width_m),
-            Self::Raster(index) => {
-                Filtered::exact(rasters[*index as usize].sample(p.world_m.truncate(), p.footprint_m))
-            }
+            Self::Raster { raster, channel } => Filtered::exact(look.raster(*raster, *channel)),
             Self::Upward => Filtered::exact(p.normal.z as f32),
             Self::Facing(d) => Filtered::exact(
                 (p.normal.x * f64::from(d[0]) + p.normal.y * f64::from(d[1]) + p.normal.z * f64::from(d[2])) as f32,
             ),
             Self::Variation(i) => Filtered::exact(p.variation[*i as usize]),
             Self::Warped { of, seed, wavelength_m, amplitude_m } => {
-                of.evaluate(&warped(p, *seed, *wavelength_m, *amplitude_m), rasters)
+                of.evaluate(&warped(p, *seed, *wavelength_m, *amplitude_m), look.rasters)
             }
             Self::Affine { of, by, plus } => {
-                let f = of.evaluate(p, rasters);
-                Filtered { mean: f.mean * by + plus, deviation: f.deviation * by.abs() }
+                let f = of.at(look);
+                Filtered { mean: f.mean * by + plus, variance: f.variance * by * by }
             }
             Self::Sum(fields) => {
-                let (mut mean, mut variance) = (0.0, 0.0);
-                for f in fields.iter().map(|f| f.evaluate(p, rasters)) {
-                    mean += f.mean;
-                    variance += f.deviation * f.deviation;
+                let mut sum = Filtered::exact(0.0);
+                for field in fields {
+                    let f = field.at(look);
+                    sum.mean += f.mean;
+                    sum.variance += f.variance;
                 }
-                Filtered { mean, deviation: variance.sqrt() }
+                sum
             }
             Self::Product(fields) => {
                 let mut product = Filtered::exact(1.0);
-                for f in fields {
-                    if product.mean == 0.0 && product.deviation == 0.0 {
+                for field in fields {
+                    if product.mean == 0.0 && product.variance == 0.0 {
                         break;
                     }
-                    let f = f.evaluate(p, rasters);
+                    let f = field.at(look);
                     // Variance of a product of independent factors.
-                    let (a, b) = (product.mean * f.deviation, f.mean * product.deviation);
-                    let c = product.deviation * f.deviation;
-                    product = Filtered { mean: product.mean * f.mean, deviation: (a * a + b * b + c * c).sqrt() };
+                    let variance = product.mean * product.mean * f.variance
+                        + f.mean * f.mean * product.variance
+                        + product.variance * f.variance;
+                    product = Filtered { mean: product.mean * f.mean, variance };
                 }
                 product
             }
-            Self::Max(fields) => fields
-                .iter()
-                .map(|f| f.evaluate(p, rasters))
-                .fold(Filtered::exact(f32::MIN), |a, b| if b.mean > a.mean { b } else { a }),
-            Self::Ramp { of, from, to } => ramp(of.evaluate(p, rasters), *from, *to),
+            Self::Max(fields) => {
+                let mut largest = Filtered::exact(f32::MIN);
+                for field in fields {
+                    let f = field.at(look);
+                    if f.mean > largest.mean {
+                        largest = f;
+                    }
+                }
+                largest
+            }
+            Self::Ramp { of, from, to } => ramp(of.at(look), *from, *to),
+        }
+    }
+
+    /// Derivatives over the first two axes, 1/m, where they are known in closed form.
+    pub(crate) fn slope(&self, p: &SurfacePoint) -> Option<[f64; 2]> {
+        match self {
+            Self::Noise(fractal) => fractal.slope(p),
+            _ => None,
+        }
+    }
+
+    /// Whether a footprint hides all of the field's relief.
+    pub(crate) fn is_hidden(&self, footprint_m: f64) -> bool {
+        match self {
+            Self::Noise(fractal) => fractal.is_hidden(footprint_m),
+            _ => false,
         }
     }
 }
 
 #[inline]
-fn position(p: &SurfacePoint, space: Space) -> DVec3 {
+pub(crate) fn position(p: &SurfacePoint, space: Space) -> DVec3 {
     match space {
         Space::World => p.world_m,
+        Space::Plan => DVec3::new(p.world_m.x, p.world_m.y, 0.0),
         Space::Object => p.object_m,
         Space::Uv => p.uv_m.extend(0.0),
     }
@@ -274,120 +330,95 @@ fn coordinate(p: &SurfacePoint, c: Coordinate) -> f64 {
     position(p, c.space)[c.axis as usize]
 }
 
-fn fractal(
-    p: &SurfacePoint,
-    space: Space,
-    seed: u32,
-    wavelength_m: f32,
-    octaves: u8,
-    gain: f32,
-    stretch: [f32; 3],
-) -> Filtered {
-    let q = position(p, space);
-    let mut wavelength = f64::from(wavelength_m);
-    let (mut amplitude, mut norm, mut mean, mut hidden) = (1.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
-    let (sx, sy, sz) = (f64::from(stretch[0]), f64::from(stretch[1]), f64::from(stretch[2]));
-    for octave in 0..u32::from(octaves) {
-        norm += amplitude * amplitude;
-        // Full weight above four footprints, none below two.
-        let keep = ((wavelength / (2.0 * p.footprint_m) - 1.0) as f32).clamp(0.0, 1.0);
-        if keep > 0.0 {
-            let k = 1.0 / wavelength;
-            let s = seed.wrapping_add(octave.wrapping_mul(0x9e37_79b9));
-            let value = if space == Space::Uv {
-                gradient_noise_2d(q.x * k / sx, q.y * k / sy, s)
-            } else {
-                gradient_noise_3d(q.x * k / sx, q.y * k / sy, q.z * k / sz, s)
-            };
-            mean += amplitude * keep * value;
-        }
-        let lost = amplitude * (1.0 - keep) * NOISE_DEVIATION;
-        hidden += lost * lost;
-        amplitude *= gain;
-        wavelength /= LACUNARITY;
-    }
-    // Normalised in variance, so that the contrast does not depend on the number of octaves.
-    let scale = 1.0 / norm.sqrt();
-    Filtered { mean: mean * scale, deviation: hidden.sqrt() * scale }
-}
-
-/// Standard deviation of a uniform draw from -1..1.
-const UNIFORM_DEVIATION: f32 = 0.577_35;
+/// Variance of a uniform draw from -1..1.
+const UNIFORM_VARIANCE: f32 = 1.0 / 3.0;
 
 fn cells(p: &SurfacePoint, space: Space, seed: u32, size_m: [f32; 3], stagger: f32) -> Filtered {
+    let smallest = size_m.iter().copied().filter(|s| *s > 0.0).fold(f32::MAX, f32::min);
+    // Full contrast while a cell is twice the footprint, none when it is half of it.
+    let keep = ((f64::from(smallest) / p.footprint_m - 0.5) / 1.5).clamp(0.0, 1.0) as f32;
+    let variance = (1.0 - keep) * (1.0 - keep) * UNIFORM_VARIANCE;
+    if keep == 0.0 {
+        return Filtered { mean: 0.0, variance };
+    }
     let q = position(p, space);
     let index = |axis: usize, shift: f64| {
-        if size_m[axis] > 0.0 { libm::floor(q[axis] / f64::from(size_m[axis]) + shift) as i32 } else { 0 }
+        if size_m[axis] > 0.0 { floor(q[axis] / f64::from(size_m[axis]) + shift) } else { 0 }
     };
     let j = index(1, 0.0);
     let i = index(0, f64::from(stagger) * f64::from(j & 1));
     let value = unit_from_hash(hash_cell(i, j, index(2, 0.0), seed)) * 2.0 - 1.0;
-    let smallest = size_m.iter().copied().filter(|s| *s > 0.0).fold(f32::MAX, f32::min);
-    // Full contrast while a cell is twice the footprint, none when it is half of it.
-    let keep = ((f64::from(smallest) / p.footprint_m - 0.5) / 1.5).clamp(0.0, 1.0) as f32;
-    Filtered { mean: value * keep, deviation: (1.0 - keep) * UNIFORM_DEVIATION }
+    Filtered { mean: value * keep, variance }
 }
 
 /// Share of [x - w/2, x + w/2] that lies inside stripes [k * period, k * period + width].
 fn stripes(x: f64, period_m: f32, width_m: f32, footprint_m: f64) -> Filtered {
     let (period, width) = (f64::from(period_m), f64::from(width_m));
     let covered = |t: f64| {
-        let k = libm::floor(t / period);
+        let k = f64::from(floor(t / period));
         k * width + (t - k * period).min(width)
     };
-    let share = ((covered(x + footprint_m / 2.0) - covered(x - footprint_m / 2.0)) / footprint_m).clamp(0.0, 1.0);
-    Filtered { mean: share as f32, deviation: ((share * (1.0 - share)) as f32).sqrt() }
+    covering((covered(x + footprint_m / 2.0) - covered(x - footprint_m / 2.0)) / footprint_m)
+}
+
+/// What covers a share of the footprint, where it is 1, and 0 elsewhere.
+fn covering(share: f64) -> Filtered {
+    let mean = share.clamp(0.0, 1.0) as f32;
+    Filtered { mean, variance: mean * (1.0 - mean) }
 }
 
 fn cracks(p: &SurfacePoint, space: Space, seed: u32, cell_m: f32, width_m: f32) -> Filtered {
+    let w = p.footprint_m.max(1e-6);
+    if w >= f64::from(cell_m) {
+        // Points of density 1 have borders of length 2 in the unit square (Okabe et al., "Spatial Tessellations").
+        return covering(2.0 * f64::from(width_m / cell_m));
+    }
     let q = position(p, space);
     let size = f64::from(cell_m);
     let (x, y) = (q.x / size, q.y / size);
-    let (ci, cj) = (libm::floor(x) as i32, libm::floor(y) as i32);
-    let (mut nearest, mut second) = (f64::MAX, f64::MAX);
-    for dj in -1..=1 {
-        for di in -1..=1 {
-            let h = hash_cell(ci.wrapping_add(di), cj.wrapping_add(dj), 0, seed);
-            let h2 = hash_cell(ci.wrapping_add(di), cj.wrapping_add(dj), 1, seed);
-            let dx = f64::from(ci) + f64::from(di) + f64::from(unit_from_hash(h)) - x;
-            let dy = f64::from(cj) + f64::from(dj) + f64::from(unit_from_hash(h2)) - y;
-            let d = (dx * dx + dy * dy).sqrt();
-            if d < nearest {
-                second = nearest;
-                nearest = d;
-            } else if d < second {
-                second = d;
-            }
+    let (ci, cj) = (floor(x), floor(y));
+    let (fx, fy) = ((x - f64::from(ci)) as f32, (y - f64::from(cj)) as f32);
+    // Squares of the two least distances to a point: every cell has one, anywhere in it.
+    let (mut nearest, mut second) = (f32::MAX, f32::MAX);
+    for dj in -1..=1_i8 {
+        for di in -1..=1_i8 {
+            let h = hash_cell(ci.wrapping_add(di.into()), cj.wrapping_add(dj.into()), 0, seed);
+            let dx = f32::from(di) + (h >> 16) as f32 * (1.0 / 65536.0) - fx;
+            let dy = f32::from(dj) + (h & 0xffff) as f32 * (1.0 / 65536.0) - fy;
+            let d = dx * dx + dy * dy;
+            second = second.min(d.max(nearest));
+            nearest = nearest.min(d);
         }
     }
     // Half the difference of the two distances is about the distance to the border.
-    let distance_m = (second - nearest) * 0.5 * size;
-    let w = p.footprint_m.max(1e-6);
+    let distance_m = f64::from(second.sqrt() - nearest.sqrt()) * 0.5 * size;
     let (half, reach) = (f64::from(width_m) / 2.0, w / 2.0);
-    let share = (((distance_m + reach).min(half) - (distance_m - reach).max(-half)) / w).clamp(0.0, 1.0);
-    Filtered { mean: share as f32, deviation: ((share * (1.0 - share)) as f32).sqrt() }
+    covering(((distance_m + reach).min(half) - (distance_m - reach).max(-half)) / w)
 }
 
 fn warped(p: &SurfacePoint, seed: u32, wavelength_m: f32, amplitude_m: f32) -> SurfacePoint {
     let k = 1.0 / f64::from(wavelength_m);
-    let a = f64::from(amplitude_m);
-    let shift = |q: DVec3| {
-        let at = |i: u32| f64::from(gradient_noise_3d(q.x * k, q.y * k, q.z * k, seed.wrapping_add(i * 0x51ed))) * a;
-        DVec3::new(at(0), at(1), at(2))
-    };
-    let d = shift(p.world_m);
-    SurfacePoint { world_m: p.world_m + d, object_m: p.object_m + d, uv_m: p.uv_m + d.truncate(), ..*p }
+    // The greatest slope is about three deviations.
+    let a = f64::from(amplitude_m / (3.0 * SLOPE_DEVIATION));
+    let [x, y] = slope_2d(p.world_m.x * k, p.world_m.y * k, seed);
+    let d = DVec2::new(f64::from(x), f64::from(y)) * a;
+    let d3 = d.extend(0.0);
+    SurfacePoint { world_m: p.world_m + d3, object_m: p.object_m + d3, uv_m: p.uv_m + d, ..*p }
 }
 
 /// The smoothstep's mean under a spread of the argument: its borders move out by the hidden deviation.
 fn ramp(f: Filtered, from: f32, to: f32) -> Filtered {
     let (middle, half) = (f32::midpoint(from, to), (to - from) / 2.0);
-    let wide = (half * half + 3.0 * f.deviation * f.deviation).sqrt().max(1e-9);
-    let signed = if half < 0.0 { -wide } else { wide };
-    let t = ((f.mean - middle) / signed * 0.5 + 0.5).clamp(0.0, 1.0);
-    let mean = t * t * (3.0 - 2.0 * t);
-    let hidden_share = (f.deviation / wide).min(1.0);
-    Filtered { mean, deviation: hidden_share * (mean * (1.0 - mean)).max(0.0).sqrt() }
+    let smooth = |wide: f32| {
+        let t = ((f.mean - middle) / wide * 0.5 + 0.5).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    };
+    if f.variance == 0.0 {
+        return Filtered::exact(smooth(if half.abs() < 1e-9 { 1e-9 } else { half }));
+    }
+    let wide = (half * half + 3.0 * f.variance).sqrt();
+    let mean = smooth(if half < 0.0 { -wide } else { wide });
+    Filtered { mean, variance: (f.variance / (wide * wide)).min(1.0) * mean * (1.0 - mean) }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Materials: reflectance as data over [`Field`]s.
 
 use crate::bands::Bands;
-use crate::field::{Coordinate, Field, SurfacePoint};
+use crate::field::{Coordinate, Field, Look, SurfacePoint};
 use crate::raster::MaterialRaster;
 use glam::DVec3;
 
@@ -225,9 +225,10 @@ impl Material {
 
     /// The material's reflectance and normal at a point, means over its footprint.
     pub fn shade(&self, p: &SurfacePoint, rasters: &[MaterialRaster]) -> Shade {
+        let mut look = Look::new(p, rasters);
         let mut albedo = self.base;
         for layer in &self.layers {
-            albedo = layer.apply(albedo, p, rasters);
+            albedo = layer.apply(albedo, &mut look);
         }
         Shade {
             albedo: albedo.map(|v| v.clamp(0.0, MAX_ALBEDO)),
@@ -238,26 +239,27 @@ impl Material {
 }
 
 impl Layer {
-    fn apply(&self, below: Bands, p: &SurfacePoint, rasters: &[MaterialRaster]) -> Bands {
+    fn apply<'a>(&'a self, below: Bands, look: &mut Look<'a>) -> Bands {
         match self {
-            Self::Mix { color, amount } => below.lerp(*color, amount.evaluate(p, rasters).mean.clamp(0.0, 1.0)),
-            Self::Brightness { amount } => below * (1.0 + amount.evaluate(p, rasters).mean).max(0.0),
+            Self::Mix { color, amount } => below.lerp(*color, amount.at(look).mean.clamp(0.0, 1.0)),
+            Self::Brightness { amount } => below * (1.0 + amount.at(look).mean).max(0.0),
             Self::Tint { tint, amount } => {
-                let k = amount.evaluate(p, rasters).mean;
+                let k = amount.at(look).mean;
                 Bands(core::array::from_fn(|b| below.0[b] * (1.0 + tint.0[b] * k).max(0.0)))
             }
             Self::Strata { beds, height, amount } => {
-                let share = amount.evaluate(p, rasters).mean.clamp(0.0, 1.0);
+                let share = amount.at(look).mean.clamp(0.0, 1.0);
                 if share == 0.0 {
                     return below;
                 }
-                let z = height.evaluate(p, rasters);
+                let z = height.at(look);
+                let p = look.point;
                 let horizontal = (1.0 - p.normal.z * p.normal.z).max(0.0).sqrt();
-                let width_m = p.footprint_m * horizontal.max(0.02) + 2.0 * f64::from(z.deviation);
+                let width_m = p.footprint_m * horizontal.max(0.02) + 2.0 * f64::from(z.variance.sqrt());
                 below.lerp(beds.mean(f64::from(z.mean), width_m), share)
             }
             Self::Choice { colors, variation } => {
-                let unit = (p.variation[*variation as usize] * 0.5 + 0.5).clamp(0.0, 0.999_99);
+                let unit = (look.point.variation[*variation as usize] * 0.5 + 0.5).clamp(0.0, 0.999_99);
                 colors[(unit * colors.len() as f32) as usize]
             }
         }
@@ -265,8 +267,17 @@ impl Layer {
 }
 
 impl Bump {
-    /// The normal of the surface raised by the field, by central differences in the tangent plane.
+    /// The normal of the surface raised by the field: from its slope over the plan where that is known, else by
+    /// differences in the tangent plane.
     fn normal(&self, p: &SurfacePoint, rasters: &[MaterialRaster]) -> DVec3 {
+        if self.field.is_hidden(p.footprint_m) {
+            return p.normal;
+        }
+        let amplitude_m = f64::from(self.amplitude_m);
+        if let Some([x, y]) = self.field.slope(p) {
+            let gradient = DVec3::new(x, y, 0.0) * amplitude_m;
+            return (p.normal - gradient + p.normal * gradient.dot(p.normal)).normalize();
+        }
         let step = (p.footprint_m * 0.5).max(0.02);
         let (t, b) = p.normal.any_orthonormal_pair();
         let height = |d: DVec3| {
@@ -274,9 +285,12 @@ impl Bump {
                 SurfacePoint { world_m: p.world_m + d, object_m: p.object_m + d, uv_m: p.uv_m + d.truncate(), ..*p };
             f64::from(self.field.evaluate(&shifted, rasters).mean)
         };
-        let k = f64::from(self.amplitude_m) / (2.0 * step);
-        let slope_t = (height(t * step) - height(-t * step)) * k;
-        let slope_b = (height(b * step) - height(-b * step)) * k;
+        let k = amplitude_m / step;
+        // One sided, from half a step behind: three evaluations, and no bias.
+        let start = (t + b) * (-0.5 * step);
+        let here = height(start);
+        let slope_t = (height(start + t * step) - here) * k;
+        let slope_b = (height(start + b * step) - here) * k;
         (p.normal - t * slope_t - b * slope_b).normalize()
     }
 }

@@ -1,5 +1,6 @@
 //! Grids of samples over the plane.
 
+use crate::texture_noise::cell;
 use glam::DVec2;
 
 /// A grid of posts. Post (i, j) stands at `origin_m + (i, j) * cell_m`; i runs east, j north.
@@ -70,24 +71,22 @@ impl<T: Copy + Into<f64>> Raster<T> {
     }
 }
 
-/// A raster that materials read: 8-bit values with their means over 2, 4, 8 ... posts, so that a large footprint sees
-/// the mean of what it covers.
+pub(crate) const CHANNELS: usize = MaterialRaster::CHANNELS;
+
+/// Rasters of one grid that materials read: 8-bit values, all those of a post side by side, with their means over 2, 4,
+/// 8 ... posts, so that a large footprint sees the mean of what it covers.
 #[derive(Clone, Debug)]
 pub struct MaterialRaster {
-    levels: Vec<Raster<u8>>,
+    levels: Vec<Raster<[u8; CHANNELS]>>,
 }
 
 impl MaterialRaster {
-    /// Values 0..1 are stored in steps of 1/255; anything outside is clamped.
-    pub fn new(values: &Raster<f32>) -> Self {
-        let data = values.data.iter().map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8).collect();
-        let mut levels = vec![Raster {
-            origin_m: values.origin_m,
-            cell_m: values.cell_m,
-            width: values.width,
-            height: values.height,
-            data,
-        }];
+    /// Channels of every raster: a post is one vector register.
+    pub const CHANNELS: usize = 16;
+
+    /// From the values of every post in 255ths; what is not used of the 16 channels costs memory alone.
+    pub fn new(values: Raster<[u8; CHANNELS]>) -> Self {
+        let mut levels = vec![values];
         while let Some(last) = levels.last() {
             if last.width < 2 || last.height < 2 {
                 break;
@@ -97,40 +96,50 @@ impl MaterialRaster {
         Self { levels }
     }
 
-    /// Mean over a square of side `footprint_m` around `p`, 0..1: bilinear within the two nearest levels.
+    /// Means of all channels over about a square of side `footprint_m` around `p`, 0..1: bilinear within the level
+    /// whose posts stand one half to one footprint apart.
     #[inline]
-    pub fn sample(&self, p: DVec2, footprint_m: f64) -> f32 {
-        let ratio = footprint_m / self.levels[0].cell_m;
-        let level = if ratio <= 1.0 { 0.0 } else { libm::log2(ratio) };
-        let last = self.levels.len() - 1;
-        let low = (level as usize).min(last);
-        let blend = (level - low as f64).clamp(0.0, 1.0);
-        let a = self.levels[low].bilinear(p);
-        let value = if blend > 0.0 && low < last { a + (self.levels[low + 1].bilinear(p) - a) * blend } else { a };
-        (value / 255.0) as f32
+    pub fn sample(&self, p: DVec2, footprint_m: f64) -> [f32; CHANNELS] {
+        let mut level = &self.levels[0];
+        for coarser in &self.levels[1..] {
+            if coarser.cell_m > footprint_m {
+                break;
+            }
+            level = coarser;
+        }
+        let last = DVec2::new(level.width as f64, level.height as f64);
+        let g = level.grid_from_world(p).clamp(DVec2::NEG_ONE, last);
+        let ((i, u), (j, v)) = (cell(g.x), cell(g.y));
+        let clamped = |k: i32, count: usize| k.clamp(0, count as i32 - 1) as usize;
+        let columns = [clamped(i, level.width), clamped(i + 1, level.width)];
+        let rows = [clamped(j, level.height), clamped(j + 1, level.height)];
+        let at = |column: usize, row: usize| &level.data[rows[row] * level.width + columns[column]];
+        let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
+        let share = |u: f32, v: f32| u * v * (1.0 / 255.0);
+        let w = [share(1.0 - u, 1.0 - v), share(u, 1.0 - v), share(1.0 - u, v), share(u, v)];
+        core::array::from_fn(|k| {
+            f32::from(a[k]) * w[0] + f32::from(b[k]) * w[1] + (f32::from(c[k]) * w[2] + f32::from(d[k]) * w[3])
+        })
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.levels.iter().map(|l| l.data.len()).sum()
+        self.levels.iter().map(|l| l.data.len() * CHANNELS).sum()
     }
 
     /// The finest level.
-    pub fn finest(&self) -> &Raster<u8> {
+    pub fn finest(&self) -> &Raster<[u8; CHANNELS]> {
         &self.levels[0]
     }
 }
 
-fn halved(fine: &Raster<u8>) -> Raster<u8> {
+fn halved(fine: &Raster<[u8; CHANNELS]>) -> Raster<[u8; CHANNELS]> {
     let (width, height) = (fine.width / 2, fine.height / 2);
     let mut data = Vec::with_capacity(width * height);
     for j in 0..height {
         for i in 0..width {
-            let sum: u32 = [(0, 0), (1, 0), (0, 1), (1, 1)]
-                .iter()
-                .map(|(di, dj)| u32::from(fine.get(2 * i + di, 2 * j + dj)))
-                .sum();
-            data.push(((sum + 2) / 4) as u8);
+            let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| fine.get(2 * i + di, 2 * j + dj));
+            data.push(core::array::from_fn(|k| ((four.iter().map(|f| u16::from(f[k])).sum::<u16>() + 2) / 4) as u8));
         }
     }
     Raster { origin_m: fine.origin_m + DVec2::splat(fine.cell_m / 2.0), cell_m: fine.cell_m * 2.0, width, height, data }
@@ -155,14 +164,25 @@ mod tests {
 
     #[test]
     fn a_large_footprint_sees_the_mean() {
-        let mut r = Raster::filled(DVec2::ZERO, 1.0, 64, 64, 0.0_f32);
+        let mut r = Raster::filled(DVec2::ZERO, 1.0, 64, 64, [0; CHANNELS]);
         for j in 0..64 {
             for i in 0..64 {
-                r.set(i, j, ((i + j) % 2) as f32);
+                let mut channels = [0; CHANNELS];
+                channels[3] = 255 * ((i + j) % 2) as u8;
+                channels[15] = (i * 4) as u8;
+                r.set(i, j, channels);
             }
         }
-        let m = MaterialRaster::new(&r);
-        assert_eq!(m.sample(DVec2::new(10.0, 10.0), 0.1), 0.0);
-        assert!((m.sample(DVec2::new(30.3, 30.1), 16.0) - 0.5).abs() < 0.01);
+        let m = MaterialRaster::new(r);
+        assert_eq!(m.sample(DVec2::new(10.0, 10.0), 0.1)[3], 0.0);
+        assert!((m.sample(DVec2::new(10.0, 10.5), 0.1)[3] - 0.5).abs() < 1e-6);
+        assert!((m.sample(DVec2::new(30.3, 30.1), 16.0)[3] - 0.5).abs() < 0.01);
+        for footprint_m in [0.1, 1.0, 3.0, 8.0] {
+            let slope = m.sample(DVec2::new(30.3, 30.1), footprint_m)[15];
+            assert!((slope - 30.3 * 4.0 / 255.0).abs() < 0.005, "{footprint_m}: {slope}");
+        }
+        // Beyond the border, the border's value.
+        assert_eq!(m.sample(DVec2::new(-9e9, 3.0), 0.1)[15], 0.0);
+        assert!((m.sample(DVec2::new(9e9, 3.0), 0.1)[15] - 252.0 / 255.0).abs() < 1e-6);
     }
 }

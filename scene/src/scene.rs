@@ -191,7 +191,7 @@ impl Scene {
             }
         }
         for r in &self.rasters {
-            h.update(&r.finest().data);
+            h.update(r.finest().data.as_flattened());
         }
         for o in &self.objects {
             count(&mut h, o.path.len());

@@ -7,7 +7,9 @@ use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
 use glam::DVec2;
 use rayon::prelude::*;
-use satseed_scene::{Bands, Brdf, Class, Coordinate, Field, Layer, Material, MaterialRaster, Raster, SeedPath, Space};
+use satseed_scene::{
+    Bands, Brdf, Class, Coordinate, Field, Fractal, Layer, Material, MaterialRaster, Raster, SeedPath, Space,
+};
 
 /// Slots of the terrain's material set.
 pub(super) mod slot {
@@ -21,32 +23,45 @@ pub(super) mod slot {
     pub(in super::super) const WATER: u16 = 3;
 }
 
-/// Rasters by their index in the scene. What varies over a metre or more is worked out once, here, and not for every
-/// ray: noise costs more than a look at a raster.
+/// Rasters by their index in the scene.
 mod raster {
+    /// One channel: the fold.
     pub(super) const FOLD: u32 = 0;
+    /// All of [`super::channel`].
+    pub(super) const COVER: u32 = 1;
+}
+
+/// Channels of the cover. What varies over two metres or more is worked out once, here, and not for every ray: a look at
+/// all of the raster costs as much as one octave of noise.
+mod channel {
     /// How much scree covers the rock.
-    pub(super) const SCREE: u32 = 1;
+    pub(super) const SCREE: u8 = 0;
     /// 8 m2 to 8,000 m2 of drainage area in equal steps of the logarithm.
-    pub(super) const FLOW: u32 = 2;
+    pub(super) const FLOW: u8 = 1;
     /// How much sand of the river covers the ground.
-    pub(super) const SAND: u32 = 3;
+    pub(super) const SAND: u8 = 2;
     /// Below one half silt, above it cobbles.
-    pub(super) const BARS: u32 = 4;
+    pub(super) const BARS: u8 = 3;
     /// One half at the bank, 1 six metres into the river.
-    pub(super) const WET: u32 = 5;
+    pub(super) const WET: u8 = 4;
     /// Dust and soil on slopes around one half.
-    pub(super) const DUST: u32 = 6;
+    pub(super) const DUST: u8 = 5;
     /// Pockets of pale sand on level rock.
-    pub(super) const POCKETS: u32 = 7;
+    pub(super) const POCKETS: u8 = 6;
     /// Dark crust on level soil.
-    pub(super) const CRUST: u32 = 8;
+    pub(super) const CRUST: u8 = 7;
     /// Patches of brightness around one half.
-    pub(super) const TONE: u32 = 9;
+    pub(super) const TONE: u8 = 8;
     /// Patches of hue around one half.
-    pub(super) const HUE: u32 = 10;
-    /// How many.
-    pub(super) const COUNT: usize = 11;
+    pub(super) const HUE: u8 = 9;
+    /// Wobble of the beds around one half.
+    pub(super) const BEDDING: u8 = 10;
+    /// Stains of two or three metres around one half.
+    pub(super) const STAIN: u8 = 11;
+    /// The river's own patches around one half.
+    pub(super) const TURBID: u8 = 12;
+    /// Where the river's bed shows through, around one half.
+    pub(super) const SHALLOWS: u8 = 13;
 }
 
 /// Distance of the rasters' posts, m.
@@ -56,38 +71,55 @@ const TAPER_M: f64 = 24.0;
 
 /// The rasters that the materials read, in the order of their indices.
 pub(super) fn rasters(fold: &Fold, relief: &Relief<'_>, scene_half_m: f64, path: &SeedPath) -> Vec<MaterialRaster> {
-    let names = ["scree", "sand", "silt", "cobbles", "wash", "dust", "pockets", "crust", "crust patch", "tone", "hue"];
+    let names = [
+        "scree",
+        "sand",
+        "silt",
+        "cobbles",
+        "wash",
+        "dust",
+        "pockets",
+        "crust",
+        "crust patch",
+        "tone",
+        "hue",
+        "bedding",
+        "stain",
+        "turbid",
+        "shallows",
+    ];
     let seeds = names.map(|name| path.child(name).hash_u32());
     let half_m = -relief.window.origin_m.x;
     let n = (2.0 * half_m / CELL_M) as usize + 1;
     let shape = Raster::filled(DVec2::splat(-half_m), CELL_M, n, n, ());
-    let rows: Vec<Vec<[u8; raster::COUNT]>> = (0..n)
+    let rows: Vec<Vec<Post>> = (0..n)
         .into_par_iter()
         .map(|j| (0..n).map(|i| bake(relief, &seeds, shape.position(i, j), half_m)).collect())
         .collect();
-    let mut rasters = vec![MaterialRaster::new(&folds(fold, scene_half_m))];
-    rasters.extend((1..raster::COUNT).map(|k| {
-        let data = rows.iter().flatten().map(|v| f32::from(v[k]) / 255.0).collect();
-        MaterialRaster::new(&Raster { origin_m: shape.origin_m, cell_m: CELL_M, width: n, height: n, data })
-    }));
-    rasters
+    let cover = Raster { origin_m: shape.origin_m, cell_m: CELL_M, width: n, height: n, data: rows.concat() };
+    vec![MaterialRaster::new(folds(fold, scene_half_m)), MaterialRaster::new(cover)]
 }
 
-fn folds(fold: &Fold, scene_half_m: f64) -> Raster<f32> {
+/// All channels of one post, in 255ths.
+type Post = [u8; MaterialRaster::CHANNELS];
+
+fn folds(fold: &Fold, scene_half_m: f64) -> Raster<Post> {
     const FOLD_CELL_M: f64 = 32.0;
     let n = (2.0 * scene_half_m / FOLD_CELL_M) as usize + 3;
-    let mut folds = Raster::filled(DVec2::splat(-scene_half_m - FOLD_CELL_M), FOLD_CELL_M, n, n, 0.0_f32);
+    let mut folds = Raster::filled(DVec2::splat(-scene_half_m - FOLD_CELL_M), FOLD_CELL_M, n, n, Post::default());
     for j in 0..n {
         for i in 0..n {
             let value = fold.at(folds.position(i, j)) / (2.0 * FOLD_LIMIT_M) + 0.5;
-            folds.set(i, j, value as f32);
+            let mut post = Post::default();
+            post[0] = (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+            folds.set(i, j, post);
         }
     }
     folds
 }
 
-/// All rasters' values at a place, in 255ths; the fold's place is empty.
-fn bake(relief: &Relief<'_>, seeds: &[u32; 11], p: DVec2, half_m: f64) -> [u8; raster::COUNT] {
+/// The cover's channels at a place.
+fn bake(relief: &Relief<'_>, seeds: &[u32; 15], p: DVec2, half_m: f64) -> Post {
     let cover = relief.cover(p);
     // Ragged outlines: octaves that hardly fade.
     let ragged = |k: usize, wavelength_m: f64| fractal(p, seeds[k], wavelength_m, 5, 0.72);
@@ -104,10 +136,11 @@ fn bake(relief: &Relief<'_>, seeds: &[u32; 11], p: DVec2, half_m: f64) -> [u8; r
     let crust = smoothstep(0.05, 0.40, ragged(7, 9.0)) * smoothstep(-0.2, 0.2, soft(8, 55.0));
     let tone = 0.5 + 0.5 * soft(9, 24.0);
     let hue = 0.5 + 0.5 * soft(10, 60.0);
+    let around =
+        |k: usize, wavelength_m: f64, octaves: u32| 0.5 + 0.5 * fractal(p, seeds[k], wavelength_m, octaves, 0.5);
     let inward = half_m - p.abs().max_element();
     let w = smoothstep(0.0, TAPER_M, inward - 1.0);
     let values = [
-        (0.0, 0.0),
         (scree, 0.0),
         (flow, 0.0),
         (sand, 0.0),
@@ -118,8 +151,16 @@ fn bake(relief: &Relief<'_>, seeds: &[u32; 11], p: DVec2, half_m: f64) -> [u8; r
         (crust, 0.2),
         (tone, 0.5),
         (hue, 0.5),
+        (around(11, 5.0, 2), 0.5),
+        (around(12, 2.6, 1), 0.5),
+        (around(13, 26.0, 4), 0.5),
+        (around(14, 9.0, 3), 0.5),
     ];
-    values.map(|(value, neutral)| ((neutral + (value.clamp(0.0, 1.0) - neutral) * w) * 255.0 + 0.5) as u8)
+    let mut post = Post::default();
+    for (channel, (value, neutral)) in post.iter_mut().zip(values) {
+        *channel = ((neutral + (value.clamp(0.0, 1.0) - neutral) * w) * 255.0 + 0.5) as u8;
+    }
+    post
 }
 
 /// The terrain's materials by slot.
@@ -128,22 +169,17 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
     let k = contrast as f32;
     let noise = |name: &str, wavelength_m: f32, octaves: u8| Field::world_noise(seed(name), wavelength_m, octaves);
     let product = |fields: Vec<Field>| Field::Product(fields);
-    let raster = Field::Raster;
+    let raster = |channel: u8| Field::Raster { raster: raster::COVER, channel };
+    let fold = Field::Raster { raster: raster::FOLD, channel: 0 };
     let bedding = Field::Sum(vec![
         Field::Along(Coordinate::HEIGHT),
-        raster(raster::FOLD).affine(-2.0 * FOLD_LIMIT_M as f32, FOLD_LIMIT_M as f32),
-        noise("bedding", 5.0, 3).times(0.75),
+        fold.affine(-2.0 * FOLD_LIMIT_M as f32, FOLD_LIMIT_M as f32),
+        raster(channel::BEDDING).affine(1.5, -0.75),
     ]);
     let level = || Field::Upward.ramp(0.82, 0.95);
-    let streaks = Field::Noise {
-        space: Space::World,
-        seed: seed("streaks"),
-        wavelength_m: 1.6,
-        octaves: 3,
-        gain: 0.6,
-        stretch: [1.0, 1.0, 14.0],
-    };
-    let stony = Field::Max(vec![raster(raster::SCREE), Field::Upward.ramp(0.97, 0.8).times(0.6)]);
+    // Over the plan alone: vertical on what is steep.
+    let streaks = Field::Noise(Fractal::new(Space::Plan, seed("streaks"), 1.6, 3).gain(0.6));
+    let stony = Field::Max(vec![raster(channel::SCREE), Field::Upward.ramp(0.97, 0.8).times(0.6)]);
 
     let soil = Bands::new(0.112, 0.150, 0.208, 0.29);
     let pale_soil = Bands::new(0.150, 0.192, 0.250, 0.32);
@@ -163,85 +199,70 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
             color: soil,
             amount: product(vec![
                 Field::Upward.ramp(0.5, 0.7),
-                Field::Sum(vec![Field::Upward.ramp(0.60, 0.98).times(0.50), raster(raster::DUST).affine(1.2, -0.6)]),
+                Field::Sum(vec![Field::Upward.ramp(0.60, 0.98).times(0.50), raster(channel::DUST).affine(1.2, -0.6)]),
             ]),
         })
         .with(Layer::Mix {
             color: varnished,
             amount: product(vec![
                 Field::Upward.ramp(0.62, 0.3),
-                raster(raster::TONE).ramp(0.35, 0.6),
+                raster(channel::TONE).ramp(0.35, 0.6),
                 streaks.ramp(0.0, 0.35),
             ])
             .times(0.62),
         })
         .with(Layer::Mix {
             color: rubble,
-            amount: product(vec![Field::Upward.ramp(0.6, 0.75), raster(raster::SCREE)]).times(0.55),
+            amount: product(vec![Field::Upward.ramp(0.6, 0.75), raster(channel::SCREE)]).times(0.55),
         })
         // Stones: light and dark specks on scree and on stony slopes.
         .with(Layer::Brightness {
             amount: product(vec![
                 stony,
-                Field::Noise {
-                    space: Space::World,
-                    seed: seed("stones"),
-                    wavelength_m: 1.8,
-                    octaves: 3,
-                    gain: 0.85,
-                    stretch: [1.0; 3],
-                }
-                .times(0.36 * k),
+                Field::Noise(Fractal::new(Space::World, seed("stones"), 1.8, 3).gain(0.85)).times(0.36 * k),
             ]),
         })
         // On level rock, pockets of pale sand in the hollows, dark crust around them, bare ribs between.
-        .with(Layer::Mix { color: pale_soil, amount: product(vec![level(), raster(raster::POCKETS)]).times(0.7) })
-        .with(Layer::Mix { color: crust, amount: product(vec![level(), raster(raster::CRUST)]).times(0.5) })
+        .with(Layer::Mix { color: pale_soil, amount: product(vec![level(), raster(channel::POCKETS)]).times(0.7) })
+        .with(Layer::Mix { color: crust, amount: product(vec![level(), raster(channel::CRUST)]).times(0.5) })
         // Rills are darker where they are damp, and sandy where they are large.
-        .with(Layer::Brightness { amount: raster(raster::FLOW).ramp(0.25, 0.55).times(-0.10 * k) })
-        .with(Layer::Mix { color: sand, amount: raster(raster::FLOW).ramp(0.74, 0.92).times(0.6) })
+        .with(Layer::Brightness { amount: raster(channel::FLOW).ramp(0.25, 0.55).times(-0.10 * k) })
+        .with(Layer::Mix { color: sand, amount: raster(channel::FLOW).ramp(0.74, 0.92).times(0.6) })
         .with(Layer::Mix {
             color: sand,
-            amount: product(vec![Field::Upward.ramp(0.85, 0.95), raster(raster::SAND)]).times(0.85),
+            amount: product(vec![Field::Upward.ramp(0.85, 0.95), raster(channel::SAND)]).times(0.85),
         })
-        .with(Layer::Mix { color: silt, amount: raster(raster::BARS).ramp(0.5, 0.0).times(0.7) })
-        .with(Layer::Mix { color: cobbles, amount: raster(raster::BARS).ramp(0.5, 1.0).times(0.75) })
+        .with(Layer::Mix { color: silt, amount: raster(channel::BARS).ramp(0.5, 0.0).times(0.7) })
+        .with(Layer::Mix { color: cobbles, amount: raster(channel::BARS).ramp(0.5, 1.0).times(0.75) })
         // Three scales: patches, stains, grain.
-        .with(Layer::Brightness { amount: raster(raster::TONE).affine(0.24 * k, -0.12 * k) })
-        .with(Layer::Brightness { amount: noise("stain", 2.6, 2).times(0.10 * k) })
-        .with(Layer::Brightness { amount: noise("grain", 0.6, 2).times(0.17 * k) })
+        .with(Layer::Brightness { amount: raster(channel::TONE).affine(0.24 * k, -0.12 * k) })
+        .with(Layer::Brightness { amount: raster(channel::STAIN).affine(0.26 * k, -0.13 * k) })
+        .with(Layer::Brightness {
+            amount: Field::Noise(Fractal::new(Space::World, seed("grain"), 1.25, 2).gain(1.2)).times(0.19 * k),
+        })
         // Cracks: dark specks on steep rock.
         .with(Layer::Brightness {
-            amount: product(vec![Field::Upward.ramp(0.80, 0.55), noise("cracks", 1.1, 3).ramp(0.12, 0.4)])
+            amount: product(vec![Field::Upward.ramp(0.80, 0.55), noise("cracks", 1.1, 2).ramp(0.12, 0.4)])
                 .times(-0.35 * k),
         })
         .with(Layer::Tint {
             tint: Bands::new(-0.6, -0.1, 0.5, 0.5),
-            amount: raster(raster::HUE).affine(0.2 * k, -0.1 * k),
+            amount: raster(channel::HUE).affine(0.2 * k, -0.1 * k),
         })
         .with(Layer::Brightness {
-            amount: raster(raster::WET).ramp(0.38, 0.5).times(if is_dry { 0.14 } else { -0.36 }),
+            amount: raster(channel::WET).ramp(0.38, 0.5).times(if is_dry { 0.14 } else { -0.36 }),
         })
-        .bumpy(
-            Field::Noise {
-                space: Space::World,
-                seed: seed("bump"),
-                wavelength_m: 1.7,
-                octaves: 2,
-                gain: 0.8,
-                stretch: [1.0; 3],
-            },
-            0.09,
-        );
+        .bumpy(Field::Noise(Fractal::new(Space::World, seed("bump"), 1.7, 2).gain(0.8)), 0.09);
     let as_class = |name: &str, class: Class| Material { name: name.to_owned(), class, ..bare.clone() };
     let water = Material {
         brdf: Brdf::Coated { index: 1.33 },
         ..Material::diffuse("river", Class::Water, Bands::new(0.046, 0.068, 0.062, 0.028))
             .with(Layer::Mix {
                 color: Bands::new(0.085, 0.112, 0.118, 0.06),
-                amount: Field::Sum(vec![raster(raster::WET), noise("shallows", 9.0, 3).times(0.10)]).ramp(0.85, 0.5),
+                amount: Field::Sum(vec![raster(channel::WET), raster(channel::SHALLOWS).affine(0.2, -0.1)])
+                    .ramp(0.85, 0.5),
             })
-            .with(Layer::Brightness { amount: noise("turbid", 26.0, 4).times(0.22 * k) })
+            .with(Layer::Brightness { amount: raster(channel::TURBID).affine(0.44 * k, -0.22 * k) })
             .bumpy(noise("ripples", 0.8, 2), 0.012)
     };
     vec![bare.clone(), as_class("soil and scree", Class::Ground), as_class("wash sand", Class::Sand), water]

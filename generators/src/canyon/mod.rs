@@ -63,7 +63,7 @@ impl Params {
     /// and 240 MB at 700 m.
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
         let side_m = 2.0 * (self.radius_m + 2.0 * TILE_M);
-        (60e6 + side_m * side_m * (75.0 + 35.0 * self.roughness)) as u64
+        (60e6 + side_m * side_m * (82.0 + 35.0 * self.roughness)) as u64
     }
 }
 

@@ -7,7 +7,7 @@ use super::ground_slot;
 use crate::kit::buildings::slot;
 use crate::kit::mesh_builder::{NOMINAL_BAY_M, NOMINAL_FLOOR_M};
 use crate::kit::{trees, vehicles};
-use satseed_scene::{Bands, Brdf, Class, Coordinate, Field, Layer, Material, Rng, SeedPath, Space};
+use satseed_scene::{Bands, Brdf, Class, Coordinate, Field, Fractal, Layer, Material, Rng, SeedPath, Space};
 use std::collections::BTreeMap;
 
 use super::massing::Kind;
@@ -69,9 +69,9 @@ fn brightness(amount: Field) -> Layer {
 
 /// Patches, streaks and grain, and the instance's own shade.
 fn aged(m: Material, seed: u32, patch: f32, grain: f32) -> Material {
-    m.with(brightness(noise(seed, 14.0, 3).times(patch)))
-        .with(brightness(noise(seed ^ 0x51, 1.9, 2).times(patch * 0.8)))
-        .with(brightness(noise(seed ^ 0xa7, 0.42, 2).times(grain)))
+    m.with(brightness(noise(seed, 14.0, 2).times(patch)))
+        .with(brightness(noise(seed ^ 0x51, 2.6, 2).times(patch * 0.8)))
+        .with(brightness(noise(seed ^ 0xa7, 0.62, 1).times(grain)))
         .with(brightness(Field::Variation(0).times(0.16)))
         .with(Layer::Tint { tint: Bands::new(-0.06, 0.0, 0.05, 0.05), amount: Field::Variation(1) })
 }
@@ -88,20 +88,21 @@ fn repeating(across: Coordinate, period_m: f32, width_m: f32, offset_m: f32) -> 
 fn asphalt(name: &str, age: f32, seed: u32) -> Material {
     let base = bgr(0.055, 0.057, 0.06).lerp(bgr(0.125, 0.135, 0.145), age);
     let m = Material::diffuse(name, Class::Road, base).rough(0.4);
+    // In products the cheap masks stand first: where they are zero nothing behind them is evaluated.
     let cracks = Field::Product(vec![
+        noise(seed ^ 0x5, 23.0, 2).ramp(-0.1, 0.3),
         Field::Warped {
             of: Box::new(Field::Cracks { space: Space::World, seed: seed ^ 0x3, cell_m: 7.0, width_m: 0.07 }),
             seed: seed ^ 0x4,
             wavelength_m: 5.0,
             amplitude_m: 1.2,
         },
-        noise(seed ^ 0x5, 23.0, 2).ramp(-0.1, 0.3),
     ]);
     aged(m, seed, 0.13, 0.12)
         .with(Layer::Mix { color: bgr(0.035, 0.036, 0.038), amount: cracks.times(0.25 + 0.45 * age) })
         .with(Layer::Mix {
             color: bgr(0.04, 0.041, 0.043),
-            amount: noise(seed ^ 0x6, 3.1, 3).ramp(0.32, 0.6).times(0.35),
+            amount: noise(seed ^ 0x6, 3.1, 2).ramp(0.32, 0.6).times(0.35),
         })
 }
 
@@ -184,14 +185,7 @@ fn lawn(name: &str, dryness: f32, seed: u32) -> Material {
 fn wall(name: &str, base: Bands, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Facade, base).rough(0.35);
     // Rain leaves vertical streaks.
-    let streaks = Field::Noise {
-        space: Space::World,
-        seed: seed ^ 0x1f,
-        wavelength_m: 0.9,
-        octaves: 2,
-        gain: 0.5,
-        stretch: [1.0, 1.0, 9.0],
-    };
+    let streaks = Field::Noise(Fractal::new(Space::Plan, seed ^ 0x1f, 0.9, 2));
     aged(m, seed, 0.1, 0.1).with(brightness(streaks.times(0.14)))
 }
 
