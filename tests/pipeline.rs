@@ -1,8 +1,9 @@
 //! The whole path, from a recipe to a dataset, in memory.
 #![allow(clippy::unwrap_used)]
 
-use satseed::dataset::{MemoryStore, Store, parse_lines};
-use satseed::pipeline::{Event, Options, Outcome, PipelineError, generate};
+use satseed::dataset::{Layer, MemoryStore, Store, View, parse_lines};
+use satseed::labels::{self, explain};
+use satseed::pipeline::{BuiltScene, Event, Options, Outcome, PipelineError, generate, make_sample, rig};
 use satseed::plan::{Plan, Shard};
 use satseed::recipe::Recipe;
 use std::collections::BTreeMap;
@@ -95,4 +96,45 @@ fn threads_shards_and_stops_change_no_byte() {
     }
     assert!(runs >= 2);
     assert!(store.into_files() == expected, "stopped and taken up again");
+}
+
+#[test]
+fn a_hole_in_the_ground_is_an_error_and_no_label() {
+    let recipe = Recipe::parse("test", RECIPE).unwrap();
+    let plan = Plan::new(&recipe).unwrap();
+    let spec = plan.scenes.iter().find(|s| s.region.name() == "toronto").unwrap();
+    let mut scene = spec.region.build(spec.seed);
+    let whole = make_sample(&BuiltScene::new(&recipe, spec, &scene), &spec.pairs[0]).unwrap();
+    assert!(whole.plane(Layer::Validity, View::Right).is_some());
+
+    // Whatever reaches into a square of 6 m around the pivot is taken away.
+    for instance in 0..scene.instances.len() {
+        let mesh = scene.instances[instance].mesh as usize;
+        let gone: Vec<bool> = (0..scene.meshes[mesh].triangles.len())
+            .map(|t| {
+                let corners = scene.corners(instance as u32, t as u32);
+                let beyond = |axis: fn(&glam::DVec3) -> f64| {
+                    corners.iter().all(|c| axis(c) > 3.0) || corners.iter().all(|c| axis(c) < -3.0)
+                };
+                !beyond(|c| c.x) && !beyond(|c| c.y)
+            })
+            .collect();
+        let mesh = &mut scene.meshes[mesh];
+        let mut kept = gone.iter().map(|g| !g);
+        mesh.triangles.retain(|_| kept.next().unwrap());
+        let mut kept = gone.iter().map(|g| !g);
+        mesh.slots.retain(|_| kept.next().unwrap());
+    }
+    let built = BuiltScene::new(&recipe, spec, &scene);
+    let error = make_sample(&built, &spec.pairs[0]).unwrap_err();
+    let PipelineError::Hole { view: "left", pixel, others, .. } = error else { panic!("{error}") };
+    let rig = rig(&built, &spec.pairs[0]);
+    let nothing = |at: &[u32; 2]| explain(&built.tracer, &rig, labels::View::Left, *at).seen.is_none();
+    let holes: Vec<_> = (0..48).flat_map(|v| (0..64).map(move |u| [u, v])).filter(nothing).collect();
+    assert_eq!((pixel, others + 1), (holes[0], holes.len()));
+    assert!(holes.contains(&[32, 24]), "the frame's centre sees the pivot");
+    let said = error.to_string();
+    let start =
+        format!("sample `{}`: the ray of pixel ({}, {}) of the left view", spec.pairs[0].id, pixel[0], pixel[1]);
+    assert!(said.starts_with(&start) && said.contains("this is a bug in the terrain"), "{said}");
 }
