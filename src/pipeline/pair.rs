@@ -80,9 +80,10 @@ fn label_maps(scene: &BuiltScene<'_>, rig: &StereoRig, view: View) -> ViewLabels
 /// A plan refuses frames that see beyond a scene's full detail, and what a sloping ray meets behind that is the ring of
 /// terrain around it. So a ray of a planned frame that meets nothing is nobody's wish, and is not written as a label.
 fn refuse_hole(maps: &ViewLabels, id: &str, view: View) -> Result<(), PipelineError> {
-    let Some(at) = maps.validity.iter().position(|v| *v == Validity::Miss as u8) else { return Ok(()) };
-    let pixel = [at as u32 % maps.width, at as u32 / maps.width];
-    let others = maps.validity[at + 1..].iter().filter(|v| **v == Validity::Miss as u8).count();
+    let mut holes = (0..maps.validity.len()).filter(|i| maps.validity[*i] == Validity::Miss as u8);
+    let Some(first) = holes.next() else { return Ok(()) };
+    let pixel = [first as u32 % maps.width, first as u32 / maps.width];
+    let others = holes.count();
     Err(PipelineError::Hole { id: id.to_owned(), view: view.name(), pixel, others })
 }
 
