@@ -131,6 +131,9 @@ const BAD_RECIPES: &[(&str, &str, &[&str])] = &[
     ("[split]\nrule = 'random'", "2:8", &["`split.rule`", "\"by-pivot\"", "\"published\""]),
     ("[generators]\ncanyon = 999999", "2:10", &["version 999999", "canyon", "this build"]),
     ("[generators]\natlantis = 1", "2:1", &["atlantis", "canyon, toronto"]),
+    ("[stages]\nrender = 999999", "2:10", &["version 999999", "stage render", "this build", "other bytes"]),
+    ("[stages]\nlabels = 0", "2:10", &["`stages.labels`", "1 to"]),
+    ("[stages]\nmagic = 1", "2:1", &["magic", "plan, render, labels, files"]),
 ];
 
 #[test]

@@ -1,7 +1,7 @@
 //! Golden hashes: the bytes of a small scene and pair of each region, held in a file of their own.
 //!
 //! `SATSEED_BLESS=1 cargo test --test golden` writes the files anew and says what changed. A change of bytes needs a
-//! raised generator version and an entry in CHANGELOG.md.
+//! raised version (the generator's, or a stage's in src/recipe/versions.rs) and an entry in CHANGELOG.md.
 
 #![allow(clippy::print_stderr)]
 
@@ -98,8 +98,9 @@ fn check(name: &str) {
     } else {
         assert_eq!(
             found, kept,
-            "{name}: bytes changed; if that is meant, raise the generator's VERSION, run \
-             `SATSEED_BLESS=1 cargo test --test golden`, and say why in CHANGELOG.md"
+            "{name}: bytes changed; if that is meant, raise the generator's VERSION (scene) or a stage's in \
+             src/recipe/versions.rs (labels, images), run `SATSEED_BLESS=1 cargo test --test golden`, and say why in \
+             CHANGELOG.md"
         );
     }
     assert_eq!(found, on_threads(1, name), "{name}: one thread gives other bytes than two");

@@ -1,9 +1,10 @@
 //! A sample or scene made again, held against the one that stands.
 
 use super::formats::{FormatError, Plane};
+use super::layer::View;
 use super::reader::{Dataset, ReadError};
 use super::record::{FileRecord, SampleRecord};
-use super::sample::{Sample, View};
+use super::sample::Sample;
 use super::verify::{Fault, Finding};
 use super::writer::{SceneFiles, to_json};
 
@@ -18,14 +19,14 @@ pub fn compare_sample(
     mut made: Sample,
 ) -> Result<Vec<Finding>, ReadError> {
     let fault = |path: &str, reason: String| ReadError::File { path: path.to_owned(), reason };
-    made.count().map_err(|e| fault(&record.id, e.to_string()))?;
+    made.count().map_err(|e| fault(record.id(), e.to_string()))?;
     let mut findings = Vec::new();
     let mut names = vec!["camera".to_owned()];
     let camera = to_json(&made.camera);
-    findings.extend(compare_text(record, "camera", &format!("{}/camera.json", record.id), &camera));
+    findings.extend(compare_text(record, "camera", &format!("{}/camera.json", record.id()), &camera));
     for (layer, view, plane) in &made.planes {
         let name = layer.key(*view);
-        let path = format!("{}/{}", record.id, layer.file_name(*view));
+        let path = format!("{}/{}", record.id(), layer.file_name(*view));
         names.push(name.clone());
         let Some(standing) = record.files.get(&name) else {
             findings.push(Finding::new(path, Fault::NotReproduced, "the record does not name it"));
@@ -51,7 +52,7 @@ pub fn compare_sample(
         }
     }
     for (name, file) in &record.files {
-        if file.path.starts_with(&format!("{}/", record.id)) && !names.contains(name) {
+        if file.path.starts_with(&format!("{}/", record.id())) && !names.contains(name) {
             findings.push(Finding::new(&file.path, Fault::NotReproduced, "its recipe does not make such a file"));
         }
     }

@@ -2,10 +2,13 @@
 //!
 //! It knows the plan's names and plain arrays, not scenes, cameras or rays.
 
+mod camera_file;
 mod compare;
 pub mod formats;
+mod layer;
 mod lock;
 mod manifest;
+mod ownership;
 mod reader;
 mod record;
 mod sample;
@@ -19,14 +22,14 @@ mod writer;
 #[cfg(test)]
 mod writer_tests;
 
+pub use camera_file::{CameraFile, CameraRecord};
 pub use compare::{compare_sample, compare_scene};
+pub use layer::{LAST_CLASS, Layer, View, validity};
 pub use lock::{FolderLock, LockError};
 pub use manifest::{LineError, MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE, parse_lines};
 pub use reader::{Dataset, ReadError};
 pub use record::{FileRecord, RecordError, SampleRecord, is_name};
-pub use sample::{
-    CameraFile, CameraRecord, ContentError, Identity, LAST_CLASS, Layer, Sample, Statistics, View, validity,
-};
+pub use sample::{ContentError, Identity, Sample, Statistics};
 pub use store::{DiskStore, Entry, MemoryStore, Store, StoreError, check_path};
 pub use summary::{BaselineSummary, CLASS_NAMES, Histogram, RegionSummary, SceneSummary, Summary, summarise};
 pub use terrain::SceneFigures;

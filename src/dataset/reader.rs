@@ -1,9 +1,11 @@
 //! Reads a dataset that anyone may have written.
 
+use super::camera_file::CameraFile;
 use super::formats::{FormatError, HeightMap, Plane, decode_height_map, decoded_bytes_at_most};
+use super::layer::{Layer, View};
 use super::manifest::{LineError, MANIFEST, ManifestHash, parse_lines};
 use super::record::{FileRecord, SampleRecord};
-use super::sample::{CameraFile, Identity, Layer, Sample, View};
+use super::sample::Sample;
 use super::store::{Store, StoreError};
 
 /// Largest frame of a dataset, px in each direction; the recipe allows no larger one.
@@ -78,7 +80,7 @@ impl<'a> Dataset<'a> {
     /// # Errors
     /// Where there is no such sample.
     pub fn record(&self, id: &str) -> Result<&SampleRecord, ReadError> {
-        self.records.iter().find(|r| r.id == id).ok_or_else(|| ReadError::NoSample(id.chars().take(140).collect()))
+        self.records.iter().find(|r| r.id() == id).ok_or_else(|| ReadError::NoSample(id.chars().take(140).collect()))
     }
 
     /// The text of one of a sample's text files: `recipe`, `scene` or `camera`.
@@ -155,27 +157,14 @@ pub(super) fn decode_plane(
 
 /// A sample as its record and decoded files say.
 pub(super) fn sample_of(record: &SampleRecord, camera: CameraFile, planes: Vec<(Layer, View, Plane)>) -> Sample {
-    let (scene, name) = record.id.split_once('/').unwrap_or((&record.id, ""));
-    let identity = Identity {
-        scene: scene.to_owned(),
-        name: name.to_owned(),
-        region: record.region.clone(),
-        variant: record.variant.clone(),
-        scene_seed: record.scene_seed,
-        split: record.split.clone(),
-        scene_params_hash: record.scene_params_hash.clone(),
-        baseline_m: record.baseline_m,
-        azimuth_deg: record.azimuth_deg,
-        convergence_deg: record.convergence_deg,
-    };
-    Sample { identity, camera, planes }
+    Sample { identity: record.identity.clone(), camera, planes }
 }
 
 fn file_of<'r>(record: &'r SampleRecord, name: &str) -> Result<&'r FileRecord, ReadError> {
     record
         .files
         .get(name)
-        .ok_or_else(|| fault(&record.id, &format!("the sample has no `{name}`: its recipe does not ask for it")))
+        .ok_or_else(|| fault(record.id(), &format!("the sample has no `{name}`: its recipe does not ask for it")))
 }
 
 fn fault(path: &str, reason: &str) -> ReadError {

@@ -34,24 +34,9 @@ impl FileRecord {
 /// A sample's record: `sample.json`, and the sample's line in `part.jsonl` and `manifest.jsonl`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampleRecord {
-    /// `<scene>/<sample>`.
-    pub id: String,
-    /// Region.
-    pub region: String,
-    /// The region's variant.
-    pub variant: String,
-    /// The scene's seed.
-    pub scene_seed: u64,
-    /// `train`, `val` or `test`.
-    pub split: String,
-    /// Hash of the scene's parameters.
-    pub scene_params_hash: String,
-    /// Distance of the optical centres, m.
-    pub baseline_m: f64,
-    /// Direction of the baseline, clockwise from north, degrees.
-    pub azimuth_deg: f64,
-    /// Angle under which the baseline is seen from z = 0, degrees.
-    pub convergence_deg: f64,
+    /// Who it is.
+    #[serde(flatten)]
+    pub identity: Identity,
     /// Share of the left view's pixels seen by both views, 0 to 1.
     pub valid_fraction: f64,
     /// Share in the right frame but behind something, 0 to 1.
@@ -81,17 +66,9 @@ pub fn is_name(name: &str) -> bool {
 
 impl SampleRecord {
     /// The record of a finished sample.
-    pub fn new(identity: &Identity, statistics: &Statistics, files: BTreeMap<String, FileRecord>) -> Self {
+    pub fn new(identity: Identity, statistics: &Statistics, files: BTreeMap<String, FileRecord>) -> Self {
         Self {
-            id: identity.id(),
-            region: identity.region.clone(),
-            variant: identity.variant.clone(),
-            scene_seed: identity.scene_seed,
-            split: identity.split.clone(),
-            scene_params_hash: identity.scene_params_hash.clone(),
-            baseline_m: identity.baseline_m,
-            azimuth_deg: identity.azimuth_deg,
-            convergence_deg: identity.convergence_deg,
+            identity,
             valid_fraction: statistics.valid_fraction,
             occluded_fraction: statistics.occluded_fraction,
             out_of_frame_fraction: statistics.out_of_frame_fraction,
@@ -116,10 +93,10 @@ impl SampleRecord {
         let record: Self =
             serde_json::from_str(line).map_err(|e| RecordError(format!("it is no sample record: {e}")))?;
         let bad = |what: String| Err(RecordError(what));
-        let Some((scene, sample)) = record.id.split_once('/').filter(|(a, b)| is_name(a) && is_name(b)) else {
+        let Some((scene, sample)) = record.id().split_once('/').filter(|(a, b)| is_name(a) && is_name(b)) else {
             return bad(format!(
                 "`{}` is no sample id, which is `<scene>/<sample>` of a-z, 0-9, `_`, `-`",
-                shown(&record.id)
+                shown(record.id())
             ));
         };
         let own = format!("{scene}/{sample}/");
@@ -135,7 +112,7 @@ impl SampleRecord {
                 return bad(format!(
                     "the file `{}` of `{}` lies in another folder: `{}`",
                     shown(name),
-                    record.id,
+                    record.id(),
                     shown(&file.path)
                 ));
             }
@@ -148,9 +125,14 @@ impl SampleRecord {
         Ok(record)
     }
 
+    /// `<scene>/<sample>`.
+    pub fn id(&self) -> &str {
+        &self.identity.id
+    }
+
     /// The scene's name.
     pub fn scene(&self) -> &str {
-        self.id.split_once('/').map_or("", |(scene, _)| scene)
+        self.identity.scene()
     }
 }
 
@@ -174,7 +156,7 @@ pub(crate) mod tests {
             ("dsm".to_owned(), FileRecord::of("canyon-gorge-7/dsm.tif".into(), b"z", None)),
             ("recipe".to_owned(), FileRecord::of("recipe.toml".into(), b"r", None)),
         ];
-        SampleRecord::new(&sample.identity, &counted.count().unwrap(), files.into())
+        SampleRecord::new(sample.identity, &counted.count().unwrap(), files.into())
     }
 
     #[test]
@@ -239,7 +221,7 @@ pub(crate) mod tests {
             }
             let Ok(record) = SampleRecord::from_line(&String::from_utf8_lossy(&bytes)) else { continue };
             read += 1;
-            assert!(record.id.split('/').all(is_name));
+            assert!(record.id().split('/').all(is_name));
             assert!(record.files.values().all(|f| check_path(&f.path).is_ok()));
         }
         assert!(read > 50, "some changes are legal: {read}");

@@ -1,172 +1,15 @@
 //! A finished sample: two views of one pair, their cameras, and what may be said of them.
 
-use super::formats::{MISS, PixelKind, Pixels, Plane};
+use super::camera_file::CameraFile;
+use super::formats::{MISS, Pixels, Plane};
+use super::layer::{LAST_CLASS, Layer, View, validity};
 use serde::{Deserialize, Serialize};
 
-/// One of a pair's two views.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum View {
-    /// The reference view.
-    Left,
-    /// The other one.
-    Right,
-}
-
-impl View {
-    /// Its name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Left => "left",
-            Self::Right => "right",
-        }
-    }
-}
-
-/// An array of a view: its image or one of its labels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Layer {
-    /// What the sensor recorded, RGB.
-    Image,
-    /// `u_L - u_R`, px, wherever something was hit.
-    Disparity,
-    /// 0 miss, 1 valid, 2 occluded, 3 out of frame.
-    Validity,
-    /// Height above the datum of what is seen, m.
-    Elevation,
-    /// Semantic class.
-    Class,
-    /// Object id, 0 is the terrain.
-    Instance,
-    /// Geometric normal, world frame, times 32767.
-    Normal,
-    /// Direct sun, 0 to 255.
-    Shadow,
-    /// 1 where a pixel spans more than 1 px of disparity.
-    Edge,
-}
-
-impl Layer {
-    /// All of them, in the order in which files are listed.
-    pub const ALL: [Self; 9] = [
-        Self::Image,
-        Self::Disparity,
-        Self::Validity,
-        Self::Elevation,
-        Self::Class,
-        Self::Instance,
-        Self::Normal,
-        Self::Shadow,
-        Self::Edge,
-    ];
-
-    /// What values it holds.
-    pub fn kind(self) -> PixelKind {
-        match self {
-            Self::Image => PixelKind::Rgb,
-            Self::Validity | Self::Class | Self::Shadow | Self::Edge => PixelKind::Gray,
-            Self::Disparity | Self::Elevation => PixelKind::Float,
-            Self::Instance => PixelKind::Id,
-            Self::Normal => PixelKind::Vector,
-        }
-    }
-
-    /// Its name in a record's file table: `left`, `disparity_left`.
-    pub fn key(self, view: View) -> String {
-        let name = match self {
-            Self::Image => return view.name().to_owned(),
-            Self::Disparity => "disparity",
-            Self::Validity => "validity",
-            Self::Elevation => "elevation",
-            Self::Class => "class",
-            Self::Instance => "instance",
-            Self::Normal => "normal",
-            Self::Shadow => "shadow",
-            Self::Edge => "edge",
-        };
-        format!("{name}_{}", view.name())
-    }
-
-    /// Its file's name in a sample's folder: `left.png`, `disparity_left.tif`.
-    pub fn file_name(self, view: View) -> String {
-        format!("{}.{}", self.key(view), self.kind().extension())
-    }
-
-    /// The layer and view of a key in a record's file table.
-    pub fn from_key(key: &str) -> Option<(Self, View)> {
-        Self::ALL.iter().flat_map(|l| [(*l, View::Left), (*l, View::Right)]).find(|(l, v)| l.key(*v) == key)
-    }
-}
-
-/// Values of the validity map.
-pub mod validity {
-    /// Nothing was hit.
-    pub const MISS: u8 = 0;
-    /// Seen by both.
-    pub const VALID: u8 = 1;
-    /// In the other frame, but behind something.
-    pub const OCCLUDED: u8 = 2;
-    /// Beyond the other frame.
-    pub const OUT_OF_FRAME: u8 = 3;
-}
-
-/// The highest semantic class.
-pub const LAST_CLASS: u8 = 14;
-
-/// One camera of `camera.json`.
+/// Who a sample is: what its record says before any pixel is counted, under the same names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CameraRecord {
-    /// Columns.
-    pub width_px: u32,
-    /// Rows.
-    pub height_px: u32,
-    /// Focal length along u, px.
-    pub fx_px: f64,
-    /// Focal length along v, px.
-    pub fy_px: f64,
-    /// Principal point, u, px; pixel centres stand at integers.
-    pub cx_px: f64,
-    /// Principal point, v, px.
-    pub cy_px: f64,
-    /// Optical centre, world frame, m.
-    pub position_m: [f64; 3],
-    /// Rotation from the camera's frame (u, v, forward) to the world's, by rows.
-    pub world_from_camera: [[f64; 3]; 3],
-    /// Homogeneous pixel from homogeneous world point, by rows.
-    pub projection: [[f64; 4]; 3],
-}
-
-/// `camera.json`: the two cameras of a pair.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CameraFile {
-    /// The left camera.
-    pub left: CameraRecord,
-    /// The right camera.
-    pub right: CameraRecord,
-    /// Distance of the optical centres, m.
-    pub baseline_m: f64,
-    /// Height of the optical centres above z = 0, m.
-    pub altitude_m: f64,
-    /// Ground sampling distance at z = 0, m.
-    pub gsd_m: f64,
-    /// Direction of the baseline, clockwise from north, degrees.
-    pub azimuth_deg: f64,
-    /// Angle under which the baseline is seen from z = 0, degrees.
-    pub convergence_deg: f64,
-    /// The same from the pivot's height, degrees.
-    pub convergence_at_pivot_deg: f64,
-    /// `cx_R - cx_L`, px, as Middlebury has it.
-    pub doffs_px: f64,
-    /// Lowest and highest disparity of the left view's hit pixels, occluded and out-of-frame ones included, px.
-    pub disparity_range_px: Option<[f32; 2]>,
-}
-
-/// Who a sample is: what its record says before any pixel is counted.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Identity {
-    /// The scene's name, its folder.
-    pub scene: String,
-    /// The sample's name in it, such as `b03-a17`.
-    pub name: String,
+    /// `<scene>/<sample>`: its folder, such as `canyon-gorge-7/b03-a17`.
+    pub id: String,
     /// Region.
     pub region: String,
     /// The region's variant.
@@ -186,9 +29,9 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// `<scene>/<sample>`.
-    pub fn id(&self) -> String {
-        format!("{}/{}", self.scene, self.name)
+    /// The scene's name, its folder.
+    pub fn scene(&self) -> &str {
+        self.id.split_once('/').map_or("", |(scene, _)| scene)
     }
 }
 
@@ -341,6 +184,7 @@ fn value_fault(layer: Layer, plane: &Plane, validity_map: Option<&Plane>) -> Opt
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use super::super::camera_file::CameraRecord;
     use super::*;
 
     fn camera(width: u32, height: u32) -> CameraRecord {
@@ -370,8 +214,7 @@ pub(crate) mod tests {
         let image = |salt: u8| of(Pixels::Rgb((0..pixels * 3).map(|i| (i as u8).wrapping_mul(salt | 1)).collect()));
         let mut sample = Sample {
             identity: Identity {
-                scene: scene.to_owned(),
-                name: name.to_owned(),
+                id: format!("{scene}/{name}"),
                 region: "canyon".into(),
                 variant: "gorge".into(),
                 scene_seed: 7,
@@ -403,18 +246,6 @@ pub(crate) mod tests {
         };
         sample.count().expect("left labels are there");
         sample
-    }
-
-    #[test]
-    fn keys_and_file_names_are_one_to_one() {
-        for layer in Layer::ALL {
-            for view in [View::Left, View::Right] {
-                assert_eq!(Layer::from_key(&layer.key(view)), Some((layer, view)));
-            }
-        }
-        assert_eq!(Layer::Image.file_name(View::Right), "right.png");
-        assert_eq!(Layer::Disparity.file_name(View::Left), "disparity_left.tif");
-        assert_eq!(Layer::from_key("disparity"), None);
     }
 
     #[test]

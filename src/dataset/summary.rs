@@ -1,9 +1,9 @@
 //! What a dataset holds, in numbers: composition, disparity and occlusion by region, and figures of its scenes.
 
 use super::formats::{HeightMap, Pixels};
+use super::layer::{Layer, View};
 use super::reader::{Dataset, ReadError};
 use super::record::SampleRecord;
-use super::sample::{Layer, View};
 use super::terrain::SceneFigures;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -126,7 +126,7 @@ struct SceneFacts {
 pub fn summarise(dataset: &Dataset<'_>) -> Result<Summary, ReadError> {
     let mut groups: BTreeMap<(&str, &str), Vec<&SampleRecord>> = BTreeMap::new();
     for record in dataset.records() {
-        groups.entry((&record.region, &record.variant)).or_default().push(record);
+        groups.entry((&record.identity.region, &record.identity.variant)).or_default().push(record);
     }
     let regions: Vec<RegionSummary> =
         groups.values().map(|records| region(dataset, records)).collect::<Result<_, _>>()?;
@@ -145,7 +145,7 @@ pub fn summarise(dataset: &Dataset<'_>) -> Result<Summary, ReadError> {
 fn splits<'a>(records: impl Iterator<Item = &'a SampleRecord>) -> BTreeMap<String, usize> {
     let mut splits = BTreeMap::new();
     for record in records {
-        *splits.entry(record.split.clone()).or_insert(0) += 1;
+        *splits.entry(record.identity.split.clone()).or_insert(0) += 1;
     }
     splits
 }
@@ -180,8 +180,8 @@ fn region(dataset: &Dataset<'_>, records: &[&SampleRecord]) -> Result<RegionSumm
         scenes.entry(record.scene()).or_insert(record);
     }
     Ok(RegionSummary {
-        region: records[0].region.clone(),
-        variant: records[0].variant.clone(),
+        region: records[0].identity.region.clone(),
+        variant: records[0].identity.variant.clone(),
         samples: records.len(),
         splits: splits(records.iter().copied()),
         baselines: baselines(records),
@@ -225,14 +225,14 @@ fn baselines(records: &[&SampleRecord]) -> Vec<BaselineSummary> {
     // Lengths to the millimetre as keys: floats have no order that a map could use.
     let mut groups: BTreeMap<i64, Vec<&SampleRecord>> = BTreeMap::new();
     for record in records {
-        groups.entry((record.baseline_m * 1000.0).round() as i64).or_default().push(record);
+        groups.entry((record.identity.baseline_m * 1000.0).round() as i64).or_default().push(record);
     }
     groups
         .values()
         .map(|group| {
             let mean = |f: fn(&SampleRecord) -> f64| group.iter().map(|r| f(r)).sum::<f64>() / group.len() as f64;
             BaselineSummary {
-                baseline_m: group[0].baseline_m,
+                baseline_m: group[0].identity.baseline_m,
                 samples: group.len(),
                 valid_fraction: mean(|r| r.valid_fraction),
                 occluded_fraction: mean(|r| r.occluded_fraction),

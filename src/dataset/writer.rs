@@ -6,9 +6,11 @@
 //! Whatever the moment of a crash, what is missing is made by the same command again, and all bytes come out the same.
 
 use super::formats::{FormatError, HeightMap, Plane, encode_height_map};
+use super::layer::{Layer, View};
 use super::manifest::{MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE};
+use super::ownership::refusal;
 use super::record::{FileRecord, SampleRecord};
-use super::sample::{ContentError, Layer, Sample, View};
+use super::sample::{ContentError, Sample};
 use super::store::{Store, StoreError};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,7 +20,7 @@ use std::sync::PoisonError;
 /// What a finished dataset holds, file by file: derived from a plan before anything is made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Contents {
-    /// The text of `recipe.toml`: the resolved recipe with plan hash and generator versions.
+    /// The text of `recipe.toml`: the resolved recipe with the plan's hash and the versions of generators and stages.
     pub recipe_toml: String,
     /// Scenes in plan order.
     pub scenes: Vec<SceneContents>,
@@ -81,6 +83,19 @@ pub enum WriteError {
         /// The first line of `recipe.toml` that differs.
         difference: String,
     },
+    /// The folder belongs to the same plan, but to a program that makes other bytes of it.
+    #[error(
+        "the folder was begun with version {standing} of {what}, but this one has version {own}, and bytes of both would \
+         be mixed: go on with the program that began it, or choose an empty folder"
+    )]
+    OtherVersion {
+        /// Of what: a stage, a generator or the program.
+        what: String,
+        /// The version that stands in the folder.
+        standing: String,
+        /// This program's.
+        own: String,
+    },
     /// A file that must be the same again is not.
     #[error(
         "`{path}` should be the same each time it is made, but BLAKE3 {existing} stands there and {new} was made now: \
@@ -126,8 +141,7 @@ impl<'a> Writer<'a> {
         if entries.contains_key(RECIPE) {
             let existing = store.get(RECIPE)?;
             if existing != contents.recipe_toml.as_bytes() {
-                let difference = first_difference(&String::from_utf8_lossy(&existing), &contents.recipe_toml);
-                return Err(WriteError::OtherPlan { difference });
+                return Err(refusal(&String::from_utf8_lossy(&existing), &contents.recipe_toml));
             }
         } else if let Some(path) = entries.keys().next() {
             return Err(WriteError::Foreign { path: path.clone() });
@@ -204,7 +218,7 @@ impl<'a> Writer<'a> {
     /// # Errors
     /// Where the sample contradicts itself or the store fails; the sample is then not recorded.
     pub fn put_sample(&self, mut sample: Sample) -> Result<SampleRecord, WriteError> {
-        let id = sample.identity.id();
+        let id = sample.identity.id.clone();
         let content = |reason| WriteError::Content { id: id.clone(), reason };
         let statistics = sample.count().map_err(content)?;
         sample.check().map_err(content)?;
@@ -218,13 +232,13 @@ impl<'a> Writer<'a> {
                 Ok((layer.key(*view), file))
             })
             .collect::<Result<_, WriteError>>()?;
-        let mut files = locked(&self.scenes).get(&sample.identity.scene).cloned().unwrap_or_default();
+        let mut files = locked(&self.scenes).get(sample.identity.scene()).cloned().unwrap_or_default();
         files.insert("recipe".to_owned(), self.recipe.clone());
         for (name, file) in arrays.into_iter().chain([("camera".to_owned(), camera)]) {
             self.put_again(&file.path, &file.bytes, true)?;
             files.insert(name, file.record());
         }
-        let record = SampleRecord::new(&sample.identity, &statistics, files);
+        let record = SampleRecord::new(sample.identity, &statistics, files);
         self.put_again(&format!("{id}/{SAMPLE}"), record.to_line().as_bytes(), false)?;
         locked(&self.recorded).insert(id);
         Ok(record)
@@ -347,8 +361,8 @@ fn check_standing(store: &dyn Store, id: &str, entries: &BTreeMap<String, Option
     let text = String::from_utf8(store.get(&format!("{id}/{SAMPLE}"))?)
         .map_err(|_| damaged("its record is no text".into()))?;
     let record = SampleRecord::from_line(&text).map_err(|e| damaged(format!("of its record, {e}")))?;
-    if record.id != id || record.to_line() != text {
-        return Err(damaged(format!("its record is that of `{}`, or was changed", record.id)));
+    if record.id() != id || record.to_line() != text {
+        return Err(damaged(format!("its record is that of `{}`, or was changed", record.id())));
     }
     for file in record.files.values() {
         match entries.get(&file.path) {
@@ -358,17 +372,6 @@ fn check_standing(store: &dyn Store, id: &str, entries: &BTreeMap<String, Option
         }
     }
     Ok(())
-}
-
-fn first_difference(existing: &str, new: &str) -> String {
-    let mut lines = existing.lines().zip(new.lines()).filter(|(a, b)| a != b);
-    match lines.next() {
-        Some((a, b)) => {
-            let short = |s: &str| s.trim_start_matches("# ").chars().take(100).collect::<String>();
-            format!("its recipe.toml says `{}` where this one says `{}`", short(a), short(b))
-        }
-        None => "its recipe.toml is longer or shorter than this one".to_owned(),
-    }
 }
 
 /// JSON as the dataset holds it: indented, with a final line end.

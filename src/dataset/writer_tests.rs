@@ -41,7 +41,7 @@ pub(crate) fn generate(store: &dyn Store, contents: &Contents) -> Result<Option<
         writer.put_scene(&scene.name, &scene_files(&scene.name))?;
         for sample in &scene.samples {
             let sample = synthetic(&scene.name, sample, 12, 9);
-            if !writer.is_recorded(&sample.identity.id()) {
+            if !writer.is_recorded(&sample.identity.id) {
                 writer.put_sample(sample)?;
             }
         }
@@ -110,7 +110,7 @@ fn the_tree_is_what_the_plan_says() {
     assert!(tree.keys().eq(contents().paths().iter()));
     let manifest = String::from_utf8(tree["manifest.jsonl"].clone()).unwrap();
     let records = parse_lines(&manifest).unwrap();
-    assert!(records.iter().map(|r| r.id.clone()).eq(contents().ids()), "in plan order");
+    assert!(records.iter().map(|r| r.id().to_owned()).eq(contents().ids()), "in plan order");
     assert_eq!(tree["manifest.blake3"], hash.to_file().as_bytes());
     for record in &records {
         for (name, file) in &record.files {
@@ -196,7 +196,7 @@ fn another_plan_is_refused() {
     let before = tree(&store);
     let other = Contents { recipe_toml: "# satseed 0.1.0\n# plan 4567\nseed = 2\n".into(), ..contents() };
     let error = generate(&store, &other).unwrap_err().to_string();
-    assert!(error.contains("`plan 0123` where this one says `plan 4567`"), "{error}");
+    assert!(error.contains("says `seed = 1` where this one says `seed = 2`"), "{error}");
     assert_eq!(tree(&store), before);
 }
 

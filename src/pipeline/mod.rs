@@ -86,6 +86,23 @@ pub enum PipelineError {
         /// Why.
         reason: satseed_scene::SceneError,
     },
+    /// A ray of a planned frame met nothing.
+    #[error(
+        "sample `{id}`: the ray of pixel ({}, {}) of the {view} view meets nothing ({others} more pixels like it), but the \
+         scene fills every planned frame: this is a bug in the terrain that its generator lays around it, or in the \
+         tracer; nothing of the sample was written",
+        pixel[0], pixel[1]
+    )]
+    Hole {
+        /// Which sample.
+        id: String,
+        /// `left` or `right`.
+        view: &'static str,
+        /// The first such pixel: column, row.
+        pixel: [u32; 2],
+        /// How many more there are in this view.
+        others: usize,
+    },
     /// Threads could not be started.
     #[error("cannot start {jobs} threads: {reason}")]
     Threads {
@@ -169,7 +186,7 @@ pub fn generate(
                 let rays = built.rays_per_pair();
                 let write = |sample: Option<Sample>| -> Result<(), WriteError> {
                     if let Some(sample) = sample {
-                        let id = sample.identity.id();
+                        let id = sample.identity.id.clone();
                         writer.put_sample(sample)?;
                         report(Event::Pair { id: &id, rays });
                     }
@@ -183,7 +200,7 @@ pub fn generate(
                     let before = finished.take();
                     let (sample, written) = rayon::join(|| make_sample(&built, pair), || write(before));
                     written?;
-                    finished = Some(sample);
+                    finished = Some(sample?);
                 }
                 write(finished)?;
                 Ok::<(), PipelineError>(())

@@ -1,11 +1,12 @@
 //! One pair of a scene: two views traced, rendered and labelled.
 
+use super::PipelineError;
 use super::contents::layer_of;
 use super::scene::BuiltScene;
 use crate::camera::{Camera, RigSpec, StereoRig};
 use crate::dataset::formats::{Pixels, Plane, round_to_256th};
 use crate::dataset::{CameraFile, CameraRecord, Identity, Layer, Sample, View};
-use crate::labels::{Extra, View as LabelView, ViewLabels, extract};
+use crate::labels::{Extra, Validity, View as LabelView, ViewLabels, extract};
 use crate::plan::PairSpec;
 use crate::recipe::{DisparityPrecision, Label, Labels};
 use crate::render::render;
@@ -13,18 +14,24 @@ use glam::DVec3;
 use satseed_scene::SeedPath;
 
 /// Traces, renders and labels one pair. Rows run in parallel on the current rayon pool; the result does not depend on it.
-pub fn make_sample(scene: &BuiltScene<'_>, pair: &PairSpec) -> Sample {
+///
+/// # Errors
+/// Where the scene has a hole: a pixel of a labelled view whose ray meets nothing.
+pub fn make_sample(scene: &BuiltScene<'_>, pair: &PairSpec) -> Result<Sample, PipelineError> {
     let rig = rig(scene, pair);
     let labels = scene.recipe.labels();
     let mut planes = Vec::new();
     for view in [View::Left, View::Right] {
-        planes.push((Layer::Image, view, image(scene, pair, &rig, view)));
         if view == View::Left || !labels.write.is_empty() {
-            planes.extend(label_planes(scene, &rig, view));
+            let maps = label_maps(scene, &rig, view);
+            refuse_hole(&maps, &pair.id, view)?;
+            let with_disparity = view == View::Left || labels.has(Label::DisparityRight);
+            planes.extend(label_planes(maps, labels, with_disparity).into_iter().map(|(l, plane)| (l, view, plane)));
         }
+        planes.push((Layer::Image, view, image(scene, pair, &rig, view)));
     }
     planes.sort_by_key(|(layer, view, _)| (*layer, *view));
-    Sample { identity: identity(scene, pair, &rig), camera: camera_file(&rig, pair), planes }
+    Ok(Sample { identity: identity(scene, pair, &rig), camera: camera_file(&rig, pair), planes })
 }
 
 /// The rig of a pair.
@@ -53,7 +60,7 @@ fn image(scene: &BuiltScene<'_>, pair: &PairSpec, rig: &StereoRig, view: View) -
     Plane { width: image.width, height: image.height, pixels: Pixels::Rgb(image.rgb) }
 }
 
-fn label_planes(scene: &BuiltScene<'_>, rig: &StereoRig, view: View) -> Vec<(Layer, View, Plane)> {
+fn label_maps(scene: &BuiltScene<'_>, rig: &StereoRig, view: View) -> ViewLabels {
     let labels = scene.recipe.labels();
     let extra = Extra {
         elevation: labels.has(Label::Elevation),
@@ -67,12 +74,20 @@ fn label_planes(scene: &BuiltScene<'_>, rig: &StereoRig, view: View) -> Vec<(Lay
         View::Left => LabelView::Left,
         View::Right => LabelView::Right,
     };
-    let maps = extract(&scene.tracer, rig, label_view, &scene.environment, extra);
-    let with_disparity = view == View::Left || labels.has(Label::DisparityRight);
-    planes(maps, labels, with_disparity).into_iter().map(|(layer, plane)| (layer, view, plane)).collect()
+    extract(&scene.tracer, rig, label_view, &scene.environment, extra)
 }
 
-fn planes(maps: ViewLabels, labels: &Labels, with_disparity: bool) -> Vec<(Layer, Plane)> {
+/// A plan refuses frames that see beyond a scene's full detail, and what a sloping ray meets behind that is the ring of
+/// terrain around it. So a ray of a planned frame that meets nothing is nobody's wish, and is not written as a label.
+fn refuse_hole(maps: &ViewLabels, id: &str, view: View) -> Result<(), PipelineError> {
+    let mut holes = (0..maps.validity.len()).filter(|i| maps.validity[*i] == Validity::Miss as u8);
+    let Some(first) = holes.next() else { return Ok(()) };
+    let pixel = [first as u32 % maps.width, first as u32 / maps.width];
+    let others = holes.count();
+    Err(PipelineError::Hole { id: id.to_owned(), view: view.name(), pixel, others })
+}
+
+fn label_planes(maps: ViewLabels, labels: &Labels, with_disparity: bool) -> Vec<(Layer, Plane)> {
     let (width, height) = (maps.width, maps.height);
     let mut disparity_px = maps.disparity_px;
     if labels.disparity_precision == DisparityPrecision::Px256th {
@@ -102,8 +117,7 @@ fn quantise_unit(x: f32) -> i16 {
 
 fn identity(scene: &BuiltScene<'_>, pair: &PairSpec, rig: &StereoRig) -> Identity {
     Identity {
-        scene: scene.spec.name.clone(),
-        name: pair.folder().to_owned(),
+        id: pair.id.clone(),
         region: scene.spec.region.name().to_owned(),
         variant: scene.spec.region.variant().to_owned(),
         scene_seed: scene.spec.seed,

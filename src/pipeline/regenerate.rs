@@ -2,7 +2,7 @@
 
 use super::scene::{BuiltScene, build};
 use super::{PipelineError, make_sample, recipe_text};
-use crate::dataset::{Dataset, Finding, ReadError, compare_sample, compare_scene};
+use crate::dataset::{Dataset, Finding, ReadError, SampleRecord, compare_sample, compare_scene};
 use crate::plan::Plan;
 use crate::recipe::Recipe;
 
@@ -10,7 +10,7 @@ use crate::recipe::Recipe;
 /// checks a published dataset checks the same ones, and whoever forges one cannot choose them.
 pub fn chosen<'a>(dataset: &'a Dataset<'_>, n: usize) -> Vec<&'a str> {
     let root = dataset.root_hash();
-    let mut ids: Vec<&str> = dataset.records().iter().map(|r| r.id.as_str()).collect();
+    let mut ids: Vec<&str> = dataset.records().iter().map(SampleRecord::id).collect();
     ids.sort_by_cached_key(|id| *blake3::keyed_hash(root.bytes(), id.as_bytes()).as_bytes());
     ids.truncate(n);
     ids
@@ -41,7 +41,7 @@ pub fn regenerate(
         let built = BuiltScene::new(recipe, spec, &scene);
         findings.extend(compare_scene(dataset, dataset.record(&first.id)?, &built.files())?);
         for pair in pairs {
-            findings.extend(compare_sample(dataset, dataset.record(&pair.id)?, make_sample(&built, pair))?);
+            findings.extend(compare_sample(dataset, dataset.record(&pair.id)?, make_sample(&built, pair)?)?);
             report(&pair.id);
         }
     }

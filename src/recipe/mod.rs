@@ -15,6 +15,7 @@ mod region;
 mod seed_list;
 mod set;
 mod source;
+mod versions;
 mod write;
 
 pub use load::{Changes, MAX_SEED_LIST_BYTES};
@@ -25,6 +26,7 @@ pub use parts::{
 pub use presets::{PRESETS, Preset};
 pub use seed_list::seed_list_line;
 pub use source::RecipeError;
+pub use versions::{STAGES, Stage};
 pub(crate) use write::{changed_parameters, parameters_text};
 
 /// A region with its parameters, as a recipe names it.

@@ -8,7 +8,7 @@ use super::parts::{
 use super::reader::{Reader, number, whole, word, wrong};
 use super::region::region_from;
 use super::source::{Origin, RecipeError};
-use super::{MAX_PIVOTS, MAX_SEED, MAX_STEPS, Recipe};
+use super::{MAX_PIVOTS, MAX_SEED, MAX_STEPS, Recipe, versions};
 use satseed_generators::Region;
 use std::ops::RangeInclusive;
 
@@ -24,7 +24,8 @@ pub(super) fn recipe_from(document: Table, origin: Origin) -> Result<Recipe, Rec
     let mut table = root.table("split")?;
     let split = table.word("rule", SplitRule::ALL)?.unwrap_or(SplitRule::ByPivot);
     table.finish()?;
-    generator_versions(root.table("generators")?)?;
+    versions::check_stages(root.table("stages")?)?;
+    versions::check_generators(root.table("generators")?)?;
     let list = root.take("scene");
     // Unknown keys before missing ones: who writes `[[scenes]]` should hear of that.
     let origin = root.origin.clone();
@@ -331,25 +332,4 @@ fn seeds(table: &mut Reader) -> Result<Option<Vec<u64>>, RecipeError> {
         }
         _ => Err(wrong(&name, &node, &format!("a list of 1 to {} scene seeds", MAX_PIVOTS * 100))),
     }
-}
-
-/// `[generators]` of a dataset's recipe.toml: the versions that its bytes come from.
-fn generator_versions(mut table: Reader) -> Result<(), RecipeError> {
-    for (name, Entry { key, node }) in table.take_rest() {
-        let Some(region) = Region::by_name(&name) else {
-            let name = super::source::plain(&name, 60);
-            let message = format!("`generators` names {name}, but regions are {}", Region::NAMES.join(", "));
-            return Err(key.error(message));
-        };
-        let version = whole(&format!("generators.{name}"), &node, 1..=u64::from(u32::MAX))?;
-        if version != u64::from(region.version()) {
-            let message = format!(
-                "the recipe was resolved with version {version} of generator {name}, this build has version {}: \
-                 other bytes would come out; remove the line to accept that",
-                region.version()
-            );
-            return Err(node.origin.error(message));
-        }
-    }
-    Ok(())
 }

@@ -2,27 +2,22 @@
 
 use super::parts::{Azimuths, Baselines, Datum, PivotAlongBaseline, Pivots, Series};
 use super::source::{RecipeError, plain};
-use super::{Recipe, SceneEntry};
+use super::{Recipe, SceneEntry, versions};
 use satseed_generators::Region;
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use toml::Value;
 
 impl Recipe {
-    /// The resolved recipe as TOML: every value stands in it, no `extends`, and the generators' versions.
+    /// The resolved recipe as TOML: every value stands in it, no `extends`, and the versions of generators and stages.
     ///
     /// Reading it gives an equal recipe; equal recipes give equal text.
     pub fn to_toml(&self) -> String {
-        let mut out = String::from("# The resolved recipe: it and the generators' versions decide every byte.\n");
+        let mut out = String::from("# The resolved recipe: it and the versions at its end decide every byte.\n");
         self.write_head(&mut out).expect("writing to a String cannot fail");
         for scene in &self.scenes {
             write_scene(&mut out, scene).expect("writing to a String cannot fail");
         }
-        let versions: BTreeMap<_, _> = self.scenes.iter().map(|s| (s.region.name(), s.region.version())).collect();
-        out.push_str("\n[generators]\n");
-        for (name, version) in versions {
-            writeln!(out, "{name} = {version}").expect("writing to a String cannot fail");
-        }
+        out.push_str(&versions::tables(self));
         out
     }
 
