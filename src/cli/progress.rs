@@ -6,15 +6,13 @@ use satseed::pipeline::Event;
 use satseed::plan::Estimate;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// The progress of one run.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    started: Instant,
-    rays: AtomicU64,
-    scene: Mutex<String>,
+    /// The scene at work, and since when.
+    scene: Mutex<(String, Instant)>,
 }
 
 impl Progress {
@@ -23,7 +21,7 @@ impl Progress {
         let bar = if io::stderr().is_terminal() { ProgressBar::no_length() } else { ProgressBar::hidden() };
         let style = ProgressStyle::with_template("{spinner} [{bar:30}] {pos}/{len} pairs, {eta} left  {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
-        let progress = Self { bar, started: Instant::now(), rays: AtomicU64::new(0), scene: Mutex::new(String::new()) };
+        let progress = Self { bar, scene: Mutex::new((String::new(), Instant::now())) };
         let (memory, disk) = (bytes_text(cost.memory_bytes), bytes_text(cost.disk_bytes));
         progress.tell(&format!("memory at most {memory}, disk about {disk}"));
         progress
@@ -44,17 +42,18 @@ impl Progress {
             Event::Scene { name } => {
                 tracing::info!("building scene {name}");
                 if let Ok(mut scene) = self.scene.lock() {
-                    name.clone_into(&mut scene);
+                    *scene = (name.to_owned(), Instant::now());
                 }
                 self.bar.set_message(format!("building {name}"));
             }
             Event::Pair { id, rays } => {
                 tracing::debug!("recorded {id}");
-                let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
-                let per_second = rays as f64 / self.started.elapsed().as_secs_f64() / 1e6;
-                let scene = self.scene.lock().map(|s| s.clone()).unwrap_or_default();
                 self.bar.inc(1);
-                self.bar.set_message(format!("{scene}, {per_second:.2} M rays/s"));
+                if let Ok(scene) = self.scene.lock() {
+                    let (name, begun) = &*scene;
+                    let per_second = rays as f64 / begun.elapsed().as_secs_f64() / 1e6;
+                    self.bar.set_message(format!("{name}, {per_second:.2} M rays/s"));
+                }
             }
         }
     }

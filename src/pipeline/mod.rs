@@ -52,7 +52,7 @@ pub enum Event<'a> {
     Pair {
         /// Its id.
         id: &'a str,
-        /// Rays traced for it, about.
+        /// Rays traced in its scene so far.
         rays: u64,
     },
 }
@@ -183,12 +183,11 @@ pub fn generate(
                 if !writer.adopt_scene(&spec.name)? {
                     writer.put_scene(&spec.name, &built.files())?;
                 }
-                let rays = built.rays_per_pair();
                 let write = |sample: Option<Sample>| -> Result<(), WriteError> {
                     if let Some(sample) = sample {
                         let id = sample.identity.id.clone();
                         writer.put_sample(sample)?;
-                        report(Event::Pair { id: &id, rays });
+                        report(Event::Pair { id: &id, rays: built.tracer.rays_traced() });
                     }
                     Ok(())
                 };

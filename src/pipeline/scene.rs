@@ -119,11 +119,6 @@ impl<'s> BuiltScene<'s> {
         };
         SceneFiles { scene_json: to_json(&record), dsm: height_map(models.dsm_m), dtm: height_map(models.dtm_m) }
     }
-
-    /// Rays that a pair takes, about: those of pixels and labels.
-    pub fn rays_per_pair(&self) -> u64 {
-        2 * self.recipe.camera().pixels() * (u64::from(self.recipe.sensor().samples_per_pixel) * 2 + 6)
-    }
 }
 
 /// Just under the lowest vertex of any triangle that reaches into the full-detail square: no frame sees lower.

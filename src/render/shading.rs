@@ -57,17 +57,29 @@ pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64
             sums[i] = radiance;
         }
     }
+    // One direction of the dome for each point, and the mirrored one where a surface has a coat.
+    let mut asked: Vec<(usize, Bands)> = Vec::with_capacity(rays.len());
+    let mut outward: Vec<(Origin, DVec3)> = Vec::with_capacity(rays.len());
     for (i, point) in points.iter().enumerate() {
         let Some(Lit { hit, shade, origin }) = point else { continue };
-        let (direction, sample) = (rays[i].direction, &samples[i]);
-        sums[i] += dome(tracer, light, hit, shade, origin, sample);
+        let mut clear = 1.0;
         if let Brdf::Coated { index } = shade.brdf {
-            let cos = -direction.dot(shade.normal);
+            let view = rays[i].direction;
+            let cos = -view.dot(shade.normal);
             let fresnel = fresnel(cos.clamp(0.0, 1.0) as f32, index);
-            let mirrored = (direction + shade.normal * (2.0 * cos)).normalize();
-            let seen = incoming(tracer, light, origin, mirrored, sample);
-            sums[i] = sums[i] * (1.0 - fresnel) + seen * fresnel;
+            clear -= fresnel;
+            sums[i] = sums[i] * clear;
+            asked.push((i, Bands::grey(fresnel)));
+            outward.push((*origin, (view + shade.normal * (2.0 * cos)).normalize()));
         }
+        if let Some((direction, weight)) = dome(hit, shade, &samples[i]) {
+            asked.push((i, weight * clear));
+            outward.push((*origin, direction));
+        }
+    }
+    let incoming = incoming(tracer, light, &outward, |k| &samples[asked[k].0]);
+    for ((i, weight), incoming) in asked.iter().zip(incoming) {
+        sums[*i] += *weight * incoming;
     }
     sums
 }
@@ -174,9 +186,9 @@ pub(super) fn fresnel(cos: f32, index: f32) -> f32 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Radiance scattered from the sky's dome and from what stands before it: one direction.
-fn dome(tracer: &Tracer, light: &Light, hit: &Hit, shade: &Shade, origin: &Origin, sample: &Sample) -> Bands {
-    let square = sample.square(purpose::SKY);
+/// One direction of the sky's dome and what stands before it, and how much of the radiance from there is scattered to
+/// the viewer; none where a bump turned the direction into the surface.
+fn dome(hit: &Hit, shade: &Shade, sample: &Sample) -> Option<(DVec3, Bands)> {
     let (normal, weight) = match shade.brdf {
         Brdf::Leaf { transmission } => {
             if sample.line(purpose::SIDE) < 0.5 {
@@ -187,31 +199,47 @@ fn dome(tracer: &Tracer, light: &Light, hit: &Hit, shade: &Shade, origin: &Origi
         }
         _ => (shade.normal, shade.albedo),
     };
-    let direction = cosine_direction(normal, square);
+    let direction = cosine_direction(normal, sample.square(purpose::SKY));
     let above = direction.dot(hit.normal) > 0.0;
-    if above != (normal.dot(hit.normal) > 0.0) {
-        return Bands::ZERO;
-    }
-    weight * incoming(tracer, light, origin, direction, sample)
+    (above == (normal.dot(hit.normal) > 0.0)).then_some((direction, weight))
 }
 
 /// Least footprint at which a surface lights another, m.
 const BOUNCE_FOOTPRINT_M: f64 = 1.5;
 
-/// Radiance that arrives at a surface point from a direction: sky, or the sunlit and sky-lit surface that hides it.
-fn incoming(tracer: &Tracer, light: &Light, from: &Origin, direction: DVec3, sample: &Sample) -> Bands {
-    let Some(hit) = tracer.closest_from(from, direction, tracer.reach_m(from.point())) else {
-        return light.sky_radiance(direction);
-    };
-    let ray = Ray { origin: from.point(), direction };
-    // One of many directions: the other surface counts with its mean colour over a good part of itself.
-    let (shade, origin) = surface(tracer, &ray, &hit, BOUNCE_FOOTPRINT_M.max(0.3 * hit.t));
-    let (to_sun, mut sun) = sunlit(light, &hit, &shade, direction, sample, purpose::BOUNCE_SUN);
-    if sun.max_band() > 0.0 && tracer.blocked(&origin, to_sun, tracer.reach_m(hit.point)) {
-        sun = Bands::ZERO;
+/// Radiance that arrives at surface points from directions: sky, or the sunlit and sky-lit surface that hides it. `sample`
+/// gives the random numbers of the k-th.
+fn incoming<'a>(
+    tracer: &Tracer,
+    light: &Light,
+    from: &[(Origin, DVec3)],
+    sample: impl Fn(usize) -> &'a Sample,
+) -> Vec<Bands> {
+    let mut sums = Vec::with_capacity(from.len());
+    let mut sunlit_from = Vec::new();
+    let mut sunward = Vec::new();
+    for (k, (hit, (origin, direction))) in tracer.closest_from_all(from).into_iter().zip(from).enumerate() {
+        let Some(hit) = hit else {
+            sums.push(light.sky_radiance(*direction));
+            continue;
+        };
+        let ray = Ray { origin: origin.point(), direction: *direction };
+        // One of many directions: the other surface counts with its mean colour over a good part of itself.
+        let (shade, start) = surface(tracer, &ray, &hit, BOUNCE_FOOTPRINT_M.max(0.3 * hit.t));
+        // Half the dome, for a wall sees half of it and a street less: the series of further bounces ends here.
+        sums.push(shade.albedo * light.sky_irradiance * (0.5 * INV_PI));
+        let (to_sun, radiance) = sunlit(light, &hit, &shade, *direction, sample(k), purpose::BOUNCE_SUN);
+        if radiance.max_band() > 0.0 {
+            sunlit_from.push((k, radiance));
+            sunward.push((start, to_sun));
+        }
     }
-    // Half the dome, for a wall sees half of it and a street less: the series of further bounces ends here.
-    sun + shade.albedo * light.sky_irradiance * (0.5 * INV_PI)
+    for ((k, radiance), blocked) in sunlit_from.into_iter().zip(tracer.blocked_all(&sunward)) {
+        if !blocked {
+            sums[k] += radiance;
+        }
+    }
+    sums
 }
 
 #[cfg(test)]
@@ -282,7 +310,9 @@ mod tests {
             let (to_sun, radiance) = sunlit(&light, &hit, &shade, ray.direction, &sample, purpose::SUN);
             assert!(!tracer.blocked(&origin, to_sun, 1e4));
             sun += radiance[1];
-            sky += dome(&tracer, &light, &hit, &shade, &origin, &sample)[1];
+            if let Some((direction, weight)) = dome(&hit, &shade, &sample) {
+                sky += (weight * incoming(&tracer, &light, &[(origin, direction)], |_| &sample)[0])[1];
+            }
         }
         let n = count as f32;
         let expected = 0.4 * INV_PI * light.sun_irradiance[1] * libm::sin(0.7) as f32;

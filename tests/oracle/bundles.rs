@@ -57,7 +57,6 @@ fn direction(rng: &mut Rng) -> DVec3 {
 #[test]
 fn side_by_side_as_alone_with_every_instruction_set() {
     let sets: Vec<InstructionSet> = InstructionSet::ALL.into_iter().filter(|s| s.is_available()).collect();
-    println!("instruction sets: {sets:?}");
     let mut hits = 0;
     for family in &FAMILIES {
         for (altitude_m, seed) in ALTITUDES_M.into_iter().flat_map(|a| (0..3).map(move |s| (a, 500 + s))) {

@@ -19,6 +19,9 @@ use glam::DVec3;
 const LANES: usize = 16;
 /// Rays of a bundle at most.
 pub(crate) const MOST: usize = LANES * LANES;
+/// About the size of what stands behind a leaf, m; and how much wider than it, or than its packets, a shaft may be.
+const GRAIN_M: f32 = 1.5;
+const WIDE: f32 = 8.0;
 /// Rays whose slope against the shared axis is larger go alone.
 const STEEPEST: f64 = 1.6;
 
@@ -41,24 +44,33 @@ dispatch! {
 
 #[inline(always)]
 fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
-    let sheared: Vec<ShearedRay> = queries.iter().map(|q| ShearedRay::new(q.ray())).collect();
-    let Some(mut world) = Frame::world(lanes, &trees.instances, queries) else {
-        for query in queries {
-            single::whole(lanes, trees, query);
+    let mut stacks = Stacks { outer: Vec::with_capacity(64), inner: Vec::with_capacity(64), alone: Vec::new() };
+    let mut parts = vec![queries];
+    while let Some(queries) = parts.pop() {
+        match Frame::world(lanes, &trees.instances, queries) {
+            Ok(frame) => together(lanes, trees, frame, queries, &mut stacks),
+            Err(Split::Packets) => parts.extend(queries.chunks_mut(LANES)),
+            Err(Split::Rays) => {
+                for query in queries {
+                    single::whole(lanes, trees, query, &mut stacks.alone);
+                }
+            }
         }
-        return;
-    };
-    let mut outer = Vec::with_capacity(64);
-    let mut inner = Vec::with_capacity(64);
-    let mut alone = Vec::with_capacity(64);
-    outer.push(Entry::ROOT);
-    while let Some(leaf) = world.next(lanes, &trees.instances.nodes, &mut outer) {
+    }
+}
+
+/// Takes rays that share a way through the scene.
+#[inline(always)]
+fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queries: &mut [Q], stacks: &mut Stacks) {
+    let sheared: Vec<ShearedRay> = queries.iter().map(|q| ShearedRay::new(q.ray())).collect();
+    stacks.outer.push(Entry::ROOT);
+    while let Some(leaf) = world.next(lanes, &trees.instances.nodes, &mut stacks.outer) {
         for place in leaf.first..leaf.first + leaf.count {
             let placement = &trees.placements[place as usize];
             let mesh = &trees.meshes[placement.mesh as usize];
             if placement.identity {
-                inner.push(Entry::ROOT);
-                while let Some(leaf) = world.next(lanes, &mesh.tree.nodes, &mut inner) {
+                stacks.inner.push(Entry::ROOT);
+                while let Some(leaf) = world.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
                     let block = &mesh.blocks[leaf.first as usize];
                     world.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
                 }
@@ -66,14 +78,14 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
             }
             let Some(mut object) = world.seen_from(lanes, placement, &mesh.tree) else {
                 for (query, sheared) in queries.iter_mut().zip(&sheared) {
-                    through_instance(lanes, trees, place, sheared, query, &mut alone);
+                    through_instance(lanes, trees, place, sheared, query, &mut stacks.alone);
                 }
                 world.refresh(queries, !0);
                 continue;
             };
-            let mut touched = 0_u32;
-            inner.push(Entry::ROOT);
-            while let Some(leaf) = object.next(lanes, &mesh.tree.nodes, &mut inner) {
+            let mut touched = 0;
+            stacks.inner.push(Entry::ROOT);
+            while let Some(leaf) = object.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
                 let block = &mesh.blocks[leaf.first as usize];
                 touched |= object.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
             }
@@ -82,6 +94,21 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
             }
         }
     }
+}
+
+/// What waits, of both levels of bundles and of rays that go alone.
+struct Stacks {
+    outer: Vec<Entry>,
+    inner: Vec<Entry>,
+    alone: Vec<single::Entry>,
+}
+
+/// Why rays cannot go as one bundle; it decides over time, never over answers.
+enum Split {
+    /// Their packets can.
+    Packets,
+    /// They go their own ways.
+    Rays,
 }
 
 /// A node or leaf that waits, and the depth at which the shaft enters it.
@@ -147,9 +174,9 @@ struct Frame {
 }
 
 impl Frame {
-    /// The rays in the world's frame; none if they do not share a way.
+    /// The rays in the world's frame, if they share a way.
     #[inline(always)]
-    fn world<L: Lanes, Q: Query>(lanes: L, tree: &Bvh8, queries: &[Q]) -> Option<Self> {
+    fn world<L: Lanes, Q: Query>(lanes: L, tree: &Bvh8, queries: &[Q]) -> Result<Self, Split> {
         let mean = queries.iter().fold(DVec3::ZERO, |sum, q| sum + q.ray().direction);
         let axes = axes(mean);
         let [x, y, z] = axes;
@@ -160,7 +187,7 @@ impl Frame {
             let (o, d) = (q.ray().origin, q.ray().direction);
             let ahead = d[z] * sign;
             if !(d[x].abs() <= STEEPEST * ahead && d[y].abs() <= STEEPEST * ahead) {
-                return None;
+                return Err(if queries.len() > LANES { Split::Packets } else { Split::Rays });
             }
             start = start.min(o[z] * sign);
             end = end.max(o[z] * sign + ahead * q.limit());
@@ -203,7 +230,17 @@ impl Frame {
             from_world: None,
         };
         frame.outline(lanes);
-        Some(frame)
+        // A shaft that is much wider than its rays need meets much that none of them meets.
+        let mut packets: Vec<f32> = (0..frame.packets.len()).map(|p| frame.shafts.side(p, depth)).collect();
+        packets.sort_unstable_by(f32::total_cmp);
+        let usual = packets[packets.len() / 2];
+        if usual > WIDE * GRAIN_M {
+            return Err(Split::Rays);
+        }
+        if queries.len() > LANES && frame.bundle.side(depth) > WIDE * (usual + GRAIN_M) {
+            return Err(Split::Packets);
+        }
+        Ok(frame)
     }
 
     /// The same rays in the frame of an instance whose mesh has these bounds; none if they do not share a way there.
@@ -518,6 +555,20 @@ impl Shafts {
         far: [f32::NEG_INFINITY; LANES],
     };
 
+    /// The widest side of one shaft where it is narrower: at depth 0 or at the end.
+    #[inline(always)]
+    fn side(&self, p: usize, depth: f32) -> f32 {
+        let one = |of: &[[f32; LANES]; 2]| [of[0][p], of[1][p]];
+        Shaft {
+            low: one(&self.low),
+            low_slope: one(&self.low_slope),
+            high: one(&self.high),
+            high_slope: one(&self.high_slope),
+            ..Shaft::NONE
+        }
+        .side(depth)
+    }
+
     /// Sets one packet's lines along one cross axis from where its rays stand at depth 0 and at the end.
     #[inline(always)]
     fn line(&mut self, p: usize, k: usize, [low, high, low_end, high_end]: [f32; 4], error_m: f32, depth: f32) {
@@ -531,6 +582,13 @@ impl Shafts {
 impl Shaft {
     const NONE: Self =
         Self { low: [0.0; 2], low_slope: [0.0; 2], high: [0.0; 2], high_slope: [0.0; 2], start: 0.0, far: 0.0 };
+
+    /// Its widest side where it is narrower: at depth 0 or at the end.
+    #[inline(always)]
+    fn side(&self, depth: f32) -> f32 {
+        let wide = |k: usize, w: f32| self.high[k] - self.low[k] + (self.high_slope[k] - self.low_slope[k]) * w;
+        wide(0, 0.0).max(wide(1, 0.0)).min(wide(0, depth).max(wide(1, depth)))
+    }
 }
 
 /// Two cross axes and the axis that a direction goes along most.

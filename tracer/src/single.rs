@@ -9,22 +9,22 @@ use crate::triangle::ShearedRay;
 use glam::DVec3;
 
 dispatch! {
-    /// Takes one ray through the scene.
-    fn trace<Q: Query>(trees: &Trees, query: &mut Q) = whole
+    /// Takes one ray through the scene. The stack is empty before and after.
+    fn trace<Q: Query>(trees: &Trees, query: &mut Q, stack: &mut Vec<Entry>) = whole
 }
 
 #[inline(always)]
-pub(crate) fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q) {
-    let sheared = ShearedRay::new(query.ray());
+pub(crate) fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q, stack: &mut Vec<Entry>) {
     // One stack for both levels: the inner walk works above what the outer one left.
-    let mut stack = Vec::with_capacity(96);
+    let sheared = ShearedRay::new(query.ray());
     let (origin, direction) = (query.ray().origin, query.ray().direction);
-    let Some(mut outer) = Walk::enter(&trees.instances, origin, direction, query.limit(), &mut stack) else { return };
-    while let Some(leaf) = outer.next(lanes, &mut stack, query.limit()) {
+    let Some(mut outer) = Walk::enter(&trees.instances, origin, direction, query.limit(), stack) else { return };
+    while let Some(leaf) = outer.next(lanes, stack, query.limit()) {
         for place in leaf.first..leaf.first + leaf.count {
-            through_instance(lanes, trees, place, &sheared, query, &mut stack);
+            through_instance(lanes, trees, place, &sheared, query, stack);
         }
         if query.limit() < 0.0 {
+            stack.clear();
             return;
         }
     }

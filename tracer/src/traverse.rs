@@ -7,18 +7,20 @@ use crate::tree::Trees;
 use crate::{bundle, single};
 use glam::DVec3;
 use satseed_scene::{Ray, Scene};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A scene ready for rays.
 pub struct Tracer<'s> {
     scene: &'s Scene,
     trees: Trees,
     set: InstructionSet,
+    rays: AtomicU64,
 }
 
 impl<'s> Tracer<'s> {
     /// Builds the trees. The scene must pass [`Scene::validate`].
     pub fn new(scene: &'s Scene) -> Self {
-        Self { scene, trees: Trees::new(scene), set: InstructionSet::widest() }
+        Self { scene, trees: Trees::new(scene), set: InstructionSet::widest(), rays: AtomicU64::new(0) }
     }
 
     /// The same tracer with another instruction set: the same answers in another time.
@@ -52,6 +54,11 @@ impl<'s> Tracer<'s> {
     /// Bytes held by the trees and their copies of the triangles.
     pub fn bytes(&self) -> usize {
         self.trees.bytes()
+    }
+
+    /// How many rays it has traced.
+    pub fn rays_traced(&self) -> u64 {
+        self.rays.load(Ordering::Relaxed)
     }
 
     /// The closest hit at a distance in (0, `t_max`]. Hits within [`crate::tie_tolerance_m`] of the closest are one
@@ -109,12 +116,14 @@ impl<'s> Tracer<'s> {
     }
 
     fn one<Q: Query>(&self, mut query: Q) -> Q {
-        single::trace(self.set, &self.trees, &mut query);
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        single::trace(self.set, &self.trees, &mut query, &mut Vec::with_capacity(96));
         query
     }
 
     fn all<Q: Query, A>(&self, queries: impl Iterator<Item = Q>, answer: impl Fn(Q) -> A) -> Vec<A> {
         let mut queries: Vec<Q> = queries.collect();
+        self.rays.fetch_add(queries.len() as u64, Ordering::Relaxed);
         for bundle in queries.chunks_mut(bundle::MOST) {
             bundle::trace(self.set, &self.trees, bundle);
         }
