@@ -90,6 +90,13 @@ pub(in crate::city::toronto) fn mid_rise(site: &Site, relief: &Relief<'_>, path:
             }
         }
     }
+    if wide
+        && above.is_empty()
+        && let Some(wing) = higher_wing(&area, &shape, a, &masses[0], path)
+    {
+        above.push(wing.outline.clone());
+        masses.push(wing);
+    }
     if shape.len() == 4 && above.is_empty() && rng.chance(0.75) {
         // Machine room, off the middle.
         let half = DVec2::new(rng.range(2.5, 6.0), rng.range(2.2, 4.5));
@@ -122,6 +129,43 @@ pub(in crate::city::toronto) fn mid_rise(site: &Site, relief: &Relief<'_>, path:
         plan.items.extend(items);
     }
     Some(Building { kind: Kind::Block, plan })
+}
+
+/// One to three further floors over a part of a large block's long bar, which is its front one, `depth` deep of the whole, or
+/// the rear one where the front is notched: large blocks have seldom one roof.
+fn higher_wing(area: &[DVec2], shape: &[[f64; 2]], depth: f64, under: &Mass, path: &SeedPath) -> Option<Mass> {
+    let mut rng = path.child("wing").rng();
+    if area.len() != 4 || !rng.chance(0.65) {
+        return None;
+    }
+    let notched = shape.iter().filter(|c| c[1] == 0.0).count() > 2;
+    let (near, far) = match (notched, shape.len()) {
+        (true, _) => (depth * 0.7 + 0.07, 0.93),
+        (false, 4) => (0.07, rng.range(0.45, 0.7)),
+        (false, _) => (0.07, depth - 0.07),
+    };
+    let width = rng.range(0.4, 0.7);
+    let left = if rng.chance(0.5) { 0.07 } else { 0.93 - width };
+    let right = left + width;
+    let outline = laid_into(area, &[[left, near], [right, near], [right, far], [left, far]]);
+    let clear = |p: &DVec2| polygon::contains(&under.outline, *p) && polygon::border_distance(&under.outline, *p) > 1.2;
+    if !outline.iter().all(clear) {
+        return None;
+    }
+    let floors = 1.0 + rng.below(3) as f64;
+    let roof_m = under.roof_m + floors * under.floor_m;
+    Some(Mass {
+        outline,
+        low_m: under.roof_m - 0.3,
+        roof_m,
+        first_floor_m: under.roof_m + 0.2,
+        floor_m: (roof_m - under.roof_m - 0.2) / floors,
+        bay_m: under.bay_m,
+        shop: false,
+        facade: under.facade,
+        roof: flat(rng.range(0.6, 1.1)),
+        balconies: Vec::new(),
+    })
 }
 
 /// Balconies on edges whose front is free: not towards a party wall.
