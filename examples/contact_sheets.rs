@@ -96,7 +96,7 @@ fn picture(tracer: &Tracer, camera: &Camera) -> Image {
         sun_azimuth_rad: 145.0_f64.to_radians(),
         aerosol_optical_depth: 0.12,
     };
-    let settings = Settings { samples_per_pixel: 16, sensor: Sensor::WorldView3Rgb };
+    let settings = Settings { samples_per_pixel: 6, sensor: Sensor::WorldView3Rgb };
     render(tracer, camera, &environment, settings, &SeedPath::root("contact sheet", 0))
 }
 
@@ -121,6 +121,6 @@ fn write(path: &Path, rows: &[Vec<Image>]) -> anyhow::Result<()> {
         }
     }
     let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, 88).write_image(&pixels, width, height, ExtendedColorType::Rgb8)?;
+    JpegEncoder::new_with_quality(&mut bytes, 80).write_image(&pixels, width, height, ExtendedColorType::Rgb8)?;
     std::fs::write(path, bytes).with_context(|| format!("{} cannot be written", path.display()))
 }

@@ -71,7 +71,7 @@ pub fn compare_scene(
     let scene = record.scene();
     let mut findings: Vec<Finding> =
         compare_text(record, "scene", &format!("{scene}/scene.json"), &made.scene_json).into_iter().collect();
-    for (name, map) in [("dsm", &made.dsm), ("dtm", &made.dtm)] {
+    for (name, map) in [("dsm", &made.dsm), ("dtm", &made.dtm), ("ndsm", &made.ndsm)] {
         let new = map.pixel_hash().to_hex().to_string();
         let standing = record.files.get(name).and_then(|f| f.pixels_blake3.clone()).unwrap_or_default();
         if new != standing {

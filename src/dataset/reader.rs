@@ -116,7 +116,7 @@ impl<'a> Dataset<'a> {
         decode_plane(file, &self.store.get(&file.path)?, camera, layer, view)
     }
 
-    /// A surface model of a sample's scene, `dsm` or `dtm`.
+    /// A surface model of a sample's scene, `dsm`, `dtm` or `ndsm`.
     ///
     /// # Errors
     /// Where it is missing or damaged.

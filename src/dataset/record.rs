@@ -47,7 +47,7 @@ pub struct SampleRecord {
     pub disparity_min_px: Option<f32>,
     /// Highest disparity of the left view's hit pixels, px.
     pub disparity_max_px: Option<f32>,
-    /// Its files, those of its scene (`scene`, `dsm`, `dtm`) and the dataset's `recipe`, by name.
+    /// Its files, those of its scene (`scene`, `dsm`, `dtm`, `ndsm`) and the dataset's `recipe`, by name.
     pub files: BTreeMap<String, FileRecord>,
 }
 
@@ -105,7 +105,7 @@ impl SampleRecord {
             let (folder, _) = file.path.rsplit_once('/').unwrap_or(("", &file.path));
             let expected = match name.as_str() {
                 "recipe" => "",
-                "scene" | "dsm" | "dtm" => scene,
+                "scene" | "dsm" | "dtm" | "ndsm" => scene,
                 _ => own.trim_end_matches('/'),
             };
             if folder != expected {

@@ -1,4 +1,4 @@
-//! Figures of a scene from its surface models.
+//! Figures of a scene from its surface models, over its circle of full detail: what all frames of its pivot see together.
 
 use super::formats::HeightMap;
 use serde::Serialize;

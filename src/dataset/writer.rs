@@ -46,6 +46,8 @@ pub struct SceneFiles {
     pub dsm: HeightMap,
     /// Bare ground.
     pub dtm: HeightMap,
+    /// First surface above the ground.
+    pub ndsm: HeightMap,
 }
 
 /// Why a dataset cannot be written.
@@ -181,6 +183,7 @@ impl<'a> Writer<'a> {
             ("scene", MadeFile::text(format!("{scene}/scene.json"), &files.scene_json)),
             ("dsm", MadeFile::heights(format!("{scene}/dsm.tif"), &files.dsm)?),
             ("dtm", MadeFile::heights(format!("{scene}/dtm.tif"), &files.dtm)?),
+            ("ndsm", MadeFile::heights(format!("{scene}/ndsm.tif"), &files.ndsm)?),
         ];
         let below = format!("{scene}/");
         let named = locked(&self.recorded).iter().any(|id| id.starts_with(&below));
@@ -208,7 +211,8 @@ impl<'a> Writer<'a> {
         let text = String::from_utf8_lossy(&self.store.get(&format!("{id}/{SAMPLE}"))?).into_owned();
         let record = SampleRecord::from_line(&text)
             .map_err(|e| WriteError::Damaged { id, what: format!("of its record, {e}") })?;
-        let shared = record.files.into_iter().filter(|(name, _)| matches!(name.as_str(), "scene" | "dsm" | "dtm"));
+        let shared =
+            record.files.into_iter().filter(|(name, _)| matches!(name.as_str(), "scene" | "dsm" | "dtm" | "ndsm"));
         locked(&self.scenes).insert(scene.to_owned(), shared.collect());
         Ok(true)
     }
@@ -345,7 +349,7 @@ impl Contents {
     pub fn paths(&self) -> BTreeSet<String> {
         let mut paths: BTreeSet<String> = [RECIPE, MANIFEST, ROOT_HASH].map(str::to_owned).into();
         for scene in &self.scenes {
-            paths.extend(["scene.json", "dsm.tif", "dtm.tif", PART].map(|f| format!("{}/{f}", scene.name)));
+            paths.extend(["scene.json", "dsm.tif", "dtm.tif", "ndsm.tif", PART].map(|f| format!("{}/{f}", scene.name)));
         }
         for id in self.ids() {
             paths.extend([SAMPLE, "camera.json"].map(|f| format!("{id}/{f}")));

@@ -31,7 +31,7 @@ pub(crate) fn scene_files(scene: &str) -> SceneFiles {
         height: 5,
         heights_m: (0..25).map(|i| z + i as f32).collect(),
     };
-    SceneFiles { scene_json: format!("{{\"name\": \"{scene}\"}}\n"), dsm: map(10.0), dtm: map(0.0) }
+    SceneFiles { scene_json: format!("{{\"name\": \"{scene}\"}}\n"), dsm: map(10.0), dtm: map(0.0), ndsm: map(3.0) }
 }
 
 /// Makes a whole dataset, or as much of it as the store allows.
@@ -120,7 +120,7 @@ fn the_tree_is_what_the_plan_says() {
             assert_eq!(file.pixels_blake3.is_none(), matches!(name.as_str(), "recipe" | "scene" | "camera"), "{name}");
         }
         // Every file but the derived ones is named by some record, so the root hash covers the tree.
-        assert_eq!(record.files.len(), contents().layers.len() + 5);
+        assert_eq!(record.files.len(), contents().layers.len() + 6);
     }
 }
 
@@ -171,7 +171,7 @@ fn a_scenes_files_are_adopted_from_its_records() {
     assert!(writer.adopt_scene(scene).unwrap());
     assert!(!writer.adopt_scene(&contents.scenes[1].name).unwrap());
     let second = writer.put_sample(synthetic(scene, "b00-a01", 12, 9)).unwrap();
-    for name in ["scene", "dsm", "dtm", "recipe"] {
+    for name in ["scene", "dsm", "dtm", "ndsm", "recipe"] {
         assert_eq!(first.files[name], second.files[name]);
     }
 }

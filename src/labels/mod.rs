@@ -3,12 +3,13 @@
 //! For each pixel's centre ray the two-step line trace: the closest surface point, then the way back from it to the other
 //! camera. Disparity is the difference of the two projections of that point in f64; validity is a map of its own.
 
+mod columns;
 mod explain;
 mod surface_models;
 mod view;
 
 pub use explain::{Explanation, Occluder, Seen, explain};
-pub use surface_models::{SurfaceModels, surface_models};
+pub use surface_models::{SurfaceModels, surface_model_bytes, surface_models};
 pub use view::{Extra, ViewLabels, extract};
 
 use crate::camera::{Camera, StereoRig};

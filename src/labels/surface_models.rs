@@ -1,76 +1,79 @@
-//! DSM and DTM of a scene.
+//! DSM, DTM and nDSM of a scene, and where several surfaces lie above each other.
 
+use super::columns::{BAND_ROWS, Columns, Crossing, Grid};
 use crate::labels::view::MISS_NAN;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
-use satseed_scene::{Raster, Ray};
-use satseed_tracer::{Origin, Tracer};
+use satseed_scene::{Raster, Scene};
 
 /// Heights over a square around the pivot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceModels {
     /// First surface from above at each cell's centre, m; NaN where there is none.
     pub dsm_m: Raster<f32>,
-    /// Bare ground (object 0) at each cell's centre, m; NaN where there is none.
+    /// Bare ground (object 0) at each cell's centre, m: the uppermost where ground overhangs ground; NaN where there is
+    /// none.
     pub dtm_m: Raster<f32>,
-    /// For each cell, how many upward surfaces more than 1 m apart a vertical line meets.
+    /// Height of the first surface above the ground, m: the difference of the other two, as f32 gives it.
+    pub ndsm_m: Raster<f32>,
+    /// For each cell, how many upward surfaces with open space over them a vertical line meets, those more than 1 m below
+    /// the one before. A house on its plot is one; a crown over a lawn, a deck over a street, a balcony over a balcony or
+    /// a ledge over its alcove are two and more.
     pub layers: Raster<u8>,
 }
 
-/// Surfaces of one vertical line that are looked at; deeper ones are not told apart.
-const MOST_LAYERS: usize = 64;
+/// Upward surfaces closer together than this are one layer, m.
+const LAYER_M: f32 = 1.0;
 
-/// Traces vertical lines through the centres of cells of `cell_m` over the square of half side `half_side_m`.
-pub fn surface_models(tracer: &Tracer, half_side_m: f64, cell_m: f64) -> SurfaceModels {
-    let n = (2.0 * half_side_m / cell_m).ceil() as usize;
-    let first = DVec2::splat((0.5 - n as f64 / 2.0) * cell_m);
-    let [low, high] = tracer.bounds_m();
-    let (top, depth) = (high.z + 1.0, high.z - low.z + 2.0);
-    let rows: Vec<Vec<(f32, f32, u8)>> = (0..n)
-        .into_par_iter()
-        .map(|j| {
-            (0..n)
-                .map(|i| {
-                    let at = first + DVec2::new(i as f64, j as f64) * cell_m;
-                    column(tracer, at.extend(top), depth)
-                })
-                .collect()
-        })
-        .collect();
-    let cells: Vec<(f32, f32, u8)> = rows.into_iter().flatten().collect();
-    SurfaceModels {
-        dsm_m: raster(first, cell_m, n, cells.iter().map(|c| c.0).collect()),
-        dtm_m: raster(first, cell_m, n, cells.iter().map(|c| c.1).collect()),
-        layers: raster(first, cell_m, n, cells.iter().map(|c| c.2).collect()),
-    }
+/// What [`surface_models`] takes for a square of `side` by `side` cells, bytes: three heights and a count a cell, and on up to
+/// 16 threads the crossings of a band of lines.
+pub fn surface_model_bytes(side: u64) -> u64 {
+    const THREADS: u64 = 16;
+    // The densest band of a core has 25 a line; a growing list may hold twice what it needs.
+    const CROSSINGS: u64 = 50;
+    side * side * 13 + THREADS * side * BAND_ROWS as u64 * CROSSINGS * size_of::<Crossing>() as u64
 }
 
-fn raster<T>(origin_m: DVec2, cell_m: f64, n: usize, data: Vec<T>) -> Raster<T> {
-    Raster { origin_m, cell_m, width: n, height: n, data }
+/// Looks down vertical lines through the centres of cells of `cell_m` over the square of half side `half_side_m`.
+pub fn surface_models(scene: &Scene, half_side_m: f64, cell_m: f64) -> SurfaceModels {
+    let side = (2.0 * half_side_m / cell_m).ceil() as usize;
+    let grid = Grid { first: DVec2::splat((0.5 - side as f64 / 2.0) * cell_m), cell_m, side };
+    let columns = Columns::new(scene, grid);
+    let raster = |data| Raster { origin_m: grid.first, cell_m, width: side, height: side, data };
+    let (mut dsm, mut dtm) = (vec![MISS_NAN; side * side], vec![MISS_NAN; side * side]);
+    let mut layers = vec![0_u8; side * side];
+    let band = (side * BAND_ROWS).max(1);
+    dsm.par_chunks_mut(band).zip(dtm.par_chunks_mut(band)).zip(layers.par_chunks_mut(band)).enumerate().for_each(
+        |(k, ((dsm, dtm), layers))| {
+            for line in columns.band(k).chunk_by(|a, b| a.cell() == b.cell()) {
+                let cell = line[0].cell();
+                dsm[cell] = line[0].z_m();
+                dtm[cell] = line.iter().find(|c| c.is_terrain()).map_or(MISS_NAN, |c| c.z_m());
+                layers[cell] = layer_count(line);
+            }
+        },
+    );
+    let ndsm =
+        dsm.par_iter().zip(&dtm).map(|(dsm, dtm)| if dsm.is_nan() || dtm.is_nan() { MISS_NAN } else { dsm - dtm });
+    let ndsm = ndsm.collect();
+    let layers = Raster { origin_m: grid.first, cell_m, width: side, height: side, data: layers };
+    SurfaceModels { dsm_m: raster(dsm), dtm_m: raster(dtm), ndsm_m: raster(ndsm), layers }
 }
 
-/// First surface, bare ground, and the number of upward surfaces more than 1 m apart below a point.
-fn column(tracer: &Tracer, from: DVec3, depth: f64) -> (f32, f32, u8) {
-    let scene = tracer.scene();
-    let ray = Ray { origin: from, direction: DVec3::NEG_Z };
-    let mut next = tracer.closest(&ray, depth);
-    let (mut dsm, mut dtm, mut layers, mut last) = (MISS_NAN, MISS_NAN, 0, f64::INFINITY);
-    for _ in 0..MOST_LAYERS {
-        let Some(hit) = next else { break };
-        let z = hit.point.z;
-        if dsm.is_nan() {
-            dsm = z as f32;
+/// Surfaces that a line comes upon from the open, going down. Solids may run into each other, so it counts in how many
+/// of them it is.
+fn layer_count(line: &[Crossing]) -> u8 {
+    let (mut inside, mut layers, mut last_m) = (0_u32, 0_u8, f32::INFINITY);
+    for crossing in line {
+        if !crossing.enters() {
+            inside = inside.saturating_sub(1);
+            continue;
         }
-        let [a, b, c] = hit.corners;
-        if (b - a).cross(c - a).z > 0.0 && last - z > 1.0 {
-            layers += 1;
-            last = z;
+        if inside == 0 && last_m - crossing.z_m() > LAYER_M {
+            layers = layers.saturating_add(1);
+            last_m = crossing.z_m();
         }
-        if scene.instances[hit.instance as usize].object == 0 {
-            dtm = z as f32;
-            break;
-        }
-        next = tracer.closest_from(&Origin::on(&hit), DVec3::NEG_Z, depth);
+        inside += 1;
     }
-    (dsm, dtm, layers)
+    layers
 }

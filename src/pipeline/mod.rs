@@ -129,9 +129,10 @@ pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     let mut estimate = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT);
     let models = plan.scenes.iter().map(|s| scene::surface_model_bytes(&s.region, recipe.camera().gsd_m)).max();
     estimate.memory_bytes += models.unwrap_or(0);
-    // Both maps, compressed: 1.4 bytes a cell in a city, 3.7 in a canyon.
+    // DSM and DTM, compressed: 1.4 bytes a cell in a city, 3.7 in a canyon. The nDSM adds 0.7 in a city and next to nothing in
+    // a canyon, where it is 0 nearly everywhere.
     let cells: u64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, recipe.camera().gsd_m)).sum();
-    estimate.disk_bytes += 3 * cells;
+    estimate.disk_bytes += 4 * cells;
     estimate
 }
 
@@ -140,7 +141,7 @@ pub fn estimate_seconds(recipe: &Recipe, plan: &Plan, jobs: usize) -> f64 {
     const SECONDS_PER_SCENE: f64 = 20.0;
     // One thread's.
     const RAYS_PER_SECOND: f64 = 2e5;
-    const MAP_CELLS_PER_SECOND: f64 = 3.5e4;
+    const MAP_CELLS_PER_SECOND: f64 = 6e5;
     let cells: f64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, recipe.camera().gsd_m) as f64).sum();
     let rays = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT).rays as f64;
     let parallel = rays / RAYS_PER_SECOND + cells / MAP_CELLS_PER_SECOND;

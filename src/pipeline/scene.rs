@@ -4,7 +4,7 @@ use super::PipelineError;
 use crate::camera::Datum as RigDatum;
 use crate::dataset::formats::HeightMap;
 use crate::dataset::{SceneFiles, to_json};
-use crate::labels::surface_models;
+use crate::labels;
 use crate::plan::SceneSpec;
 use crate::recipe::{Datum, Recipe};
 use satseed_generators::Region;
@@ -51,7 +51,8 @@ pub struct SceneRecord {
     pub full_detail_radius_m: f64,
     /// Height at which disparity is 0, m; none where the recipe has no datum.
     pub datum_m: Option<f64>,
-    /// Share of the surface model's cells whose vertical line meets two or more upward surfaces over 1 m apart.
+    /// Share of the surface model's cells whose vertical line meets two or more upward surfaces over 1 m apart with open
+    /// space above them: crowns, decks, balconies, overhangs; not a solid building on its plot.
     pub multi_layer_fraction: f64,
     /// Triangles, counted once for each placement.
     pub triangles: usize,
@@ -93,7 +94,7 @@ impl<'s> BuiltScene<'s> {
     pub fn files(&self) -> SceneFiles {
         let scene = self.tracer.scene();
         let (half_side_m, cell_m) = (self.spec.region.full_detail_radius_m(), self.recipe.camera().gsd_m);
-        let models = surface_models(&self.tracer, half_side_m, cell_m);
+        let models = labels::surface_models(scene, half_side_m, cell_m);
         let several = models.layers.data.iter().filter(|n| **n >= 2).count();
         let record = SceneRecord {
             name: self.spec.name.clone(),
@@ -117,7 +118,12 @@ impl<'s> BuiltScene<'s> {
                 .map(|(id, o)| ObjectRecord { id, path: o.path.clone(), class: o.class as u8 })
                 .collect(),
         };
-        SceneFiles { scene_json: to_json(&record), dsm: height_map(models.dsm_m), dtm: height_map(models.dtm_m) }
+        SceneFiles {
+            scene_json: to_json(&record),
+            dsm: height_map(models.dsm_m),
+            dtm: height_map(models.dtm_m),
+            ndsm: height_map(models.ndsm_m),
+        }
     }
 }
 
@@ -162,14 +168,17 @@ fn height_map(raster: Raster<f32>) -> HeightMap {
     }
 }
 
-/// What the surface models of a scene take while they are made and encoded, bytes: the lines' answers twice, three
-/// rasters, one of them turned and encoded.
+/// What the surface models of a scene take while they are made and encoded, bytes: one of them at a time is turned and
+/// encoded.
 pub(super) fn surface_model_bytes(region: &Region, cell_m: f64) -> u64 {
-    map_cells(region, cell_m) * (2 * 12 + 9 + 12)
+    map_cells(region, cell_m) * 12 + labels::surface_model_bytes(map_side(region, cell_m))
 }
 
 /// Cells of a scene's surface model.
 pub(super) fn map_cells(region: &Region, cell_m: f64) -> u64 {
-    let side = (2.0 * region.full_detail_radius_m() / cell_m) as u64 + 1;
-    side * side
+    map_side(region, cell_m).pow(2)
+}
+
+fn map_side(region: &Region, cell_m: f64) -> u64 {
+    (2.0 * region.full_detail_radius_m() / cell_m) as u64 + 1
 }

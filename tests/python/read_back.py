@@ -72,6 +72,7 @@ DTYPES = {
     "right": (np.uint8, 3),
     "dsm": (np.float32, 1),
     "dtm": (np.float32, 1),
+    "ndsm": (np.float32, 1),
 }
 
 
@@ -137,7 +138,7 @@ def check_frames(dataset, files):
     failures = []
     rasterio_module = importlib.import_module("rasterio")
     for relative, (name, _) in files.items():
-        if name not in ("dsm", "dtm"):
+        if name not in ("dsm", "dtm", "ndsm"):
             continue
         scene = json.loads((dataset / relative).with_name("scene.json").read_text())
         with rasterio_module.open(dataset / relative) as file:

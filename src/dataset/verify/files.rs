@@ -61,7 +61,7 @@ impl Checker<'_> {
             Ok(content) => content,
             Err(finding) => return Ok(Some(finding)),
         };
-        if !matches!(name, "dsm" | "dtm") {
+        if !matches!(name, "dsm" | "dtm" | "ndsm") {
             return Ok(None);
         }
         let contradiction = |detail: String| Ok(Some(Finding::new(&file.path, Fault::Contradiction, detail)));

@@ -113,6 +113,6 @@ fn is_part_of_a_plan(path: &str, ids: &[String]) -> bool {
     ids.iter().any(|id| {
         let scene = id.split_once('/').map_or("", |(s, _)| s);
         path.strip_prefix(id.as_str()).is_some_and(|rest| rest.starts_with('/'))
-            || ["scene.json", "dsm.tif", "dtm.tif"].iter().any(|f| path == format!("{scene}/{f}"))
+            || ["scene.json", "dsm.tif", "dtm.tif", "ndsm.tif"].iter().any(|f| path == format!("{scene}/{f}"))
     })
 }

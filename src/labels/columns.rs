@@ -1,0 +1,233 @@
+//! Where vertical lines cross a scene.
+//!
+//! Millions of parallel lines through a grid's cells need no rays: every triangle is laid onto the grid once, and each
+//! cell that it covers learns at what height. Edges are decided by the same arithmetic for the two triangles that share
+//! them, so that a line meets a closed surface as often from inside as from outside.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use satseed_scene::Scene;
+
+/// Rows of cells that are worked on at a time.
+pub(super) const BAND_ROWS: usize = 16;
+
+/// Crossings of a line, in a band of a city's core.
+const USUAL_CROSSINGS: usize = 16;
+
+/// An instance that reaches over more bands than this has its triangles sorted by band.
+const FEW_BANDS: usize = 4;
+
+/// Cells over the plane, seen by their centres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    /// Centre of the first cell, m.
+    pub first: DVec2,
+    /// Distance of centres, m.
+    pub cell_m: f64,
+    /// Cells in a row, and rows.
+    pub side: usize,
+}
+
+impl Grid {
+    fn centre(&self, column: usize, row: usize) -> DVec2 {
+        self.first + DVec2::new(column as f64, row as f64) * self.cell_m
+    }
+
+    /// Which of the cells along one axis have their centre between two coordinates; a little generous.
+    fn between(&self, low: f64, high: f64) -> core::ops::Range<usize> {
+        // Far above the rounding of coordinates, far below anything that costs time.
+        const SLACK: f64 = 1e-6;
+        let from = ((low / self.cell_m) - SLACK).ceil().max(0.0);
+        let to = ((high / self.cell_m) + SLACK).floor().min(self.side as f64 - 1.0);
+        if from <= to { from as usize..to as usize + 1 } else { 0..0 }
+    }
+
+    fn columns(&self, low: f64, high: f64) -> core::ops::Range<usize> {
+        self.between(low - self.first.x, high - self.first.x)
+    }
+
+    fn rows(&self, low: f64, high: f64) -> core::ops::Range<usize> {
+        self.between(low - self.first.y, high - self.first.y)
+    }
+}
+
+/// A vertical line's way through a surface, in one number, so that hundreds of millions sort quickly. In their order they go
+/// cell by cell, each from above; where a line enters one solid and leaves another at the same height, it enters first:
+/// solids that touch leave no room between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Crossing(u64);
+
+impl Crossing {
+    fn new(cell: u32, z_m: f32, enters: bool, terrain: bool) -> Self {
+        // The bits of a float in an order that unsigned numbers share, then turned round: from above.
+        let bits = z_m.to_bits();
+        let ascending = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
+        Self(u64::from(cell) << 34 | u64::from(!ascending) << 2 | u64::from(!enters) << 1 | u64::from(terrain))
+    }
+
+    /// The line's cell, counted from the first of its band.
+    pub(super) fn cell(self) -> usize {
+        (self.0 >> 34) as usize
+    }
+
+    /// Height, m.
+    pub(super) fn z_m(self) -> f32 {
+        let ascending = !((self.0 >> 2) as u32);
+        f32::from_bits(if ascending >> 31 == 1 { ascending & !(1 << 31) } else { !ascending })
+    }
+
+    /// Whether the surface looks up: going down, the line enters a solid.
+    pub(super) fn enters(self) -> bool {
+        self.0 & 2 == 0
+    }
+
+    /// Whether it is bare terrain.
+    pub(super) fn is_terrain(self) -> bool {
+        self.0 & 1 == 1
+    }
+}
+
+/// A scene's triangles, sorted by the bands of a grid.
+pub(super) struct Columns<'s> {
+    scene: &'s Scene,
+    grid: Grid,
+    /// For each band, the instances that reach into it.
+    bands: Vec<Vec<Part>>,
+}
+
+/// What of an instance concerns a band.
+struct Part {
+    instance: u32,
+    /// Its triangles there; none where all have to be looked at.
+    triangles: Option<Vec<u32>>,
+}
+
+impl<'s> Columns<'s> {
+    /// Sorts a scene's triangles.
+    pub(super) fn new(scene: &'s Scene, grid: Grid) -> Self {
+        let bounds: Vec<Option<(DVec3, DVec3)>> = scene.meshes.par_iter().map(satseed_scene::Mesh::bounds_m).collect();
+        let parts: Vec<Vec<(usize, Part)>> = (0..scene.instances.len())
+            .into_par_iter()
+            .map(|i| match bounds[scene.instances[i].mesh as usize] {
+                Some(bounds) => parts(scene, &grid, i as u32, bounds),
+                None => Vec::new(),
+            })
+            .collect();
+        let mut bands: Vec<Vec<Part>> = (0..grid.side.div_ceil(BAND_ROWS)).map(|_| Vec::new()).collect();
+        for (band, part) in parts.into_iter().flatten() {
+            bands[band].push(part);
+        }
+        Self { scene, grid, bands }
+    }
+
+    /// All crossings of a band's lines, sorted.
+    pub(super) fn band(&self, band: usize) -> Vec<Crossing> {
+        let first = band * BAND_ROWS;
+        let rows = first..(first + BAND_ROWS).min(self.grid.side);
+        let mut out = Vec::with_capacity(rows.len() * self.grid.side * USUAL_CROSSINGS);
+        for part in &self.bands[band] {
+            let terrain = self.scene.instances[part.instance as usize].object == 0;
+            let mut add = |triangle: u32| {
+                let corners = self.scene.corners(part.instance, triangle);
+                cover(&self.grid, &rows, &corners, |cell, enters, z_m| {
+                    out.push(Crossing::new(cell, z_m as f32, enters, terrain));
+                });
+            };
+            if let Some(triangles) = &part.triangles {
+                for t in triangles {
+                    add(*t);
+                }
+            } else {
+                let mesh = self.scene.instances[part.instance as usize].mesh;
+                for t in 0..self.scene.meshes[mesh as usize].triangles.len() {
+                    add(t as u32);
+                }
+            }
+        }
+        out.sort_unstable();
+        out
+    }
+}
+
+/// The bands that rows lie in.
+fn bands_of(rows: &core::ops::Range<usize>) -> core::ops::Range<usize> {
+    rows.start / BAND_ROWS..rows.end.div_ceil(BAND_ROWS)
+}
+
+/// The bands that an instance reaches into.
+fn parts(scene: &Scene, grid: &Grid, instance: u32, (low, high): (DVec3, DVec3)) -> Vec<(usize, Part)> {
+    let placed = &scene.instances[instance as usize];
+    let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for k in 0..8 {
+        let pick = |bit: u32, axis: usize| if k >> bit & 1 == 0 { low[axis] } else { high[axis] };
+        let p = placed.world_from_object.transform_point3(DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)));
+        least = least.min(p);
+        most = most.max(p);
+    }
+    if grid.columns(least.x, most.x).is_empty() {
+        return Vec::new();
+    }
+    let bands = bands_of(&grid.rows(least.y, most.y));
+    if bands.len() <= FEW_BANDS {
+        return bands.map(|band| (band, Part { instance, triangles: None })).collect();
+    }
+    let mut lists: Vec<Vec<u32>> = bands.clone().map(|_| Vec::new()).collect();
+    for triangle in 0..scene.meshes[placed.mesh as usize].triangles.len() as u32 {
+        let [a, b, c] = scene.corners(instance, triangle);
+        if grid.columns(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)).is_empty() {
+            continue;
+        }
+        for band in bands_of(&grid.rows(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y))) {
+            lists[band - bands.start].push(triangle);
+        }
+    }
+    let full = bands.zip(lists).filter(|(_, list)| !list.is_empty());
+    full.map(|(band, list)| (band, Part { instance, triangles: Some(list) })).collect()
+}
+
+/// Calls `found` for every cell of some rows whose vertical line crosses a triangle: the cell, counted from the first of
+/// those rows, whether the triangle looks up, and the height.
+fn cover(grid: &Grid, rows: &core::ops::Range<usize>, corners: &[DVec3; 3], mut found: impl FnMut(u32, bool, f64)) {
+    let [a, b, c] = *corners;
+    let own = grid.rows(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
+    let (from, to) = (own.start.max(rows.start), own.end.min(rows.end));
+    if from >= to {
+        return;
+    }
+    let columns = grid.columns(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
+    if columns.is_empty() {
+        return;
+    }
+    let area = (b - a).truncate().perp_dot((c - a).truncate());
+    if area == 0.0 {
+        // A wall: no vertical line crosses it.
+        return;
+    }
+    let enters = area > 0.0;
+    let [p, q, r] = if enters { [a, b, c] } else { [a, c, b] };
+    let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+    for row in from..to {
+        for column in columns.clone() {
+            let at = grid.centre(column, row);
+            let [pq, qr, rp] = [(p, q), (q, r), (r, p)].map(|(from, to)| side(from.truncate(), to.truncate(), at));
+            if pq.0 && qr.0 && rp.0 {
+                let z = (r.z * pq.1 + p.z * qr.1 + q.z * rp.1) / (pq.1 + qr.1 + rp.1);
+                // A triangle nearly on edge has a height only within its corners'; a number that is none falls on the lowest.
+                let cell = ((row - rows.start) * grid.side + column) as u32;
+                found(cell, enters, z.min(high).max(low));
+            }
+        }
+    }
+}
+
+/// Whether a point lies to the left of an edge, and twice the area that it spans with it. The two triangles of an edge
+/// ask for it in opposite directions and get opposite answers, on the line as well: always the same end comes first.
+fn side(from: DVec2, to: DVec2, at: DVec2) -> (bool, f64) {
+    if (from.x, from.y) < (to.x, to.y) {
+        let area = (to - from).perp_dot(at - from);
+        (area >= 0.0, area)
+    } else {
+        let area = (from - to).perp_dot(at - to);
+        (area < 0.0, -area)
+    }
+}
