@@ -96,7 +96,7 @@ fn picture(tracer: &Tracer, camera: &Camera) -> Image {
         sun_azimuth_rad: 145.0_f64.to_radians(),
         aerosol_optical_depth: 0.12,
     };
-    let settings = Settings { samples_per_pixel: 6, sensor: Sensor::WorldView3Rgb };
+    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
     render(tracer, camera, &environment, settings, &SeedPath::root("contact sheet", 0))
 }
 

@@ -19,9 +19,12 @@ use glam::DVec3;
 const LANES: usize = 16;
 /// Rays of a bundle at most.
 pub(crate) const MOST: usize = LANES * LANES;
-/// About the size of what stands behind a leaf, m; and how much wider than it, or than its packets, a shaft may be.
+/// About the size of what stands behind a leaf, m. Rays that lie farther apart than some of them meet more triangles
+/// together than alone.
 const GRAIN_M: f32 = 1.5;
-const WIDE: f32 = 8.0;
+/// Grains that a packet may be wide, and packets and grains that a bundle may be.
+const WIDEST_PACKET: f32 = 2.5;
+const WIDEST_BUNDLE: f32 = 8.0;
 /// Rays whose slope against the shared axis is larger go alone.
 const STEEPEST: f64 = 1.6;
 
@@ -64,28 +67,30 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
 fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queries: &mut [Q], stacks: &mut Stacks) {
     let sheared: Vec<ShearedRay> = queries.iter().map(|q| ShearedRay::new(q.ray())).collect();
     stacks.outer.push(Entry::ROOT);
-    while let Some(leaf) = world.next(lanes, &trees.instances.nodes, &mut stacks.outer) {
+    while let Some((leaf, packets)) = world.next(lanes, &trees.instances.nodes, &mut stacks.outer) {
         for place in leaf.first..leaf.first + leaf.count {
             let placement = &trees.placements[place as usize];
             let mesh = &trees.meshes[placement.mesh as usize];
             if placement.identity {
                 stacks.inner.push(Entry::ROOT);
-                while let Some(leaf) = world.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
+                while let Some((leaf, _)) = world.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
                     let block = &mesh.blocks[leaf.first as usize];
                     world.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
                 }
                 continue;
             }
-            let Some(mut object) = world.seen_from(lanes, placement, &mesh.tree) else {
-                for (query, sheared) in queries.iter_mut().zip(&sheared) {
-                    through_instance(lanes, trees, place, sheared, query, &mut stacks.alone);
+            let Some(mut object) = world.seen_from(lanes, placement, &mesh.tree, packets) else {
+                for (index, (query, sheared)) in queries.iter_mut().zip(&sheared).enumerate() {
+                    if packets >> (index / LANES) & 1 == 1 {
+                        through_instance(lanes, trees, place, sheared, query, &mut stacks.alone);
+                    }
                 }
-                world.refresh(queries, !0);
+                world.refresh(queries, packets);
                 continue;
             };
             let mut touched = 0;
             stacks.inner.push(Entry::ROOT);
-            while let Some(leaf) = object.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
+            while let Some((leaf, _)) = object.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
                 let block = &mesh.blocks[leaf.first as usize];
                 touched |= object.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
             }
@@ -116,10 +121,14 @@ enum Split {
 struct Entry {
     child: Child,
     near: f32,
+    /// The node and lane that hold its box; no such node for a root.
+    parent: u32,
+    lane: u32,
 }
 
 impl Entry {
-    const ROOT: Self = Self { child: Child { first: 0, count: 0 }, near: f32::NEG_INFINITY };
+    const ROOT: Self =
+        Self { child: Child { first: 0, count: 0 }, near: f32::NEG_INFINITY, parent: u32::MAX, lane: 0 };
 }
 
 /// Sixteen rays over depth.
@@ -229,23 +238,23 @@ impl Frame {
             bundle: Shaft::NONE,
             from_world: None,
         };
-        frame.outline(lanes);
+        frame.outline(lanes, !0);
         // A shaft that is much wider than its rays need meets much that none of them meets.
         let mut packets: Vec<f32> = (0..frame.packets.len()).map(|p| frame.shafts.side(p, depth)).collect();
         packets.sort_unstable_by(f32::total_cmp);
         let usual = packets[packets.len() / 2];
-        if usual > WIDE * GRAIN_M {
+        if usual > WIDEST_PACKET * GRAIN_M {
             return Err(Split::Rays);
         }
-        if queries.len() > LANES && frame.bundle.side(depth) > WIDE * (usual + GRAIN_M) {
+        if queries.len() > LANES && frame.bundle.side(depth) > WIDEST_BUNDLE * (usual + GRAIN_M) {
             return Err(Split::Packets);
         }
         Ok(frame)
     }
 
-    /// The same rays in the frame of an instance whose mesh has these bounds; none if they do not share a way there.
+    /// Some packets in the frame of an instance with a mesh's tree; none if their rays do not share a way there.
     #[inline(always)]
-    fn seen_from<L: Lanes>(&self, lanes: L, placement: &Placement, tree: &Bvh8) -> Option<Self> {
+    fn seen_from<L: Lanes>(&self, lanes: L, placement: &Placement, tree: &Bvh8, chosen: u32) -> Option<Self> {
         let m = &placement.object_from_world;
         let [ux, uy, uz] = self.axes;
         let sign = f64::from(self.sign);
@@ -272,7 +281,11 @@ impl Frame {
         let (reference_x, depth_x) = (L::X16::splat(reference), L::X16::splat(depth));
         let (steepest, none) = (L::X16::splat(STEEPEST as f32), L::X16::splat(f32::NEG_INFINITY));
         let mut packets = Vec::with_capacity(self.packets.len());
-        for packet in &self.packets {
+        for (p, packet) in self.packets.iter().enumerate() {
+            if chosen >> p & 1 == 0 {
+                packets.push(Packet::NONE);
+                continue;
+            }
             let place = [L::X16::load(&packet.place[0]), L::X16::load(&packet.place[1])];
             let slope = [L::X16::load(&packet.slope[0]), L::X16::load(&packet.slope[1])];
             let ahead = plus(slope, rows[2], 2);
@@ -313,15 +326,18 @@ impl Frame {
             bundle: Shaft::NONE,
             from_world: Some(placement.object_from_world),
         };
-        frame.outline(lanes);
+        frame.outline(lanes, chosen);
         Some(frame)
     }
 
-    /// Draws the shafts around the rays.
+    /// Draws the shafts around the rays of chosen packets; the others' shafts stay shut.
     #[inline(always)]
-    fn outline<L: Lanes>(&mut self, _: L) {
+    fn outline<L: Lanes>(&mut self, _: L, chosen: u32) {
         let depth = L::X16::splat(self.depth);
         for (p, packet) in self.packets.iter().enumerate() {
+            if chosen >> p & 1 == 0 {
+                continue;
+            }
             for k in 0..2 {
                 let place = L::X16::load(&packet.place[k]);
                 let end = place.add(L::X16::load(&packet.slope[k]).mul(depth));
@@ -337,7 +353,7 @@ impl Frame {
             let end = |at: &[f32; LANES], slope: &[f32; LANES], p: usize| at[p] + slope[p] * self.depth;
             let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
             let (mut low_end, mut high_end) = (f32::INFINITY, f32::NEG_INFINITY);
-            for p in 0..n {
+            for p in (0..n).filter(|p| chosen >> p & 1 == 1) {
                 low = low.min(s.low[k][p]);
                 high = high.max(s.high[k][p]);
                 low_end = low_end.min(end(&s.low[k], &s.low_slope[k], p));
@@ -379,17 +395,29 @@ impl Frame {
         far(at[self.axes[2]] * f64::from(self.sign) - f64::from(self.reference), self.error_m, self.depth)
     }
 
-    /// The next leaf that the bundle's shaft meets, nearer ones first.
+    /// The next leaf that packets' shafts meet, nearer ones first, and a bit for each of these packets.
     #[inline(always)]
-    fn next<L: Lanes>(&self, _: L, nodes: &[Node8], stack: &mut Vec<Entry>) -> Option<Child> {
+    fn next<L: Lanes>(&self, _: L, nodes: &[Node8], stack: &mut Vec<Entry>) -> Option<(Child, u32)> {
         let [x, y, z] = self.axes;
         let s = &self.bundle;
         while let Some(entry) = stack.pop() {
             if entry.near > s.far {
                 continue;
             }
+            let mut packets = (1 << self.packets.len()) - 1;
+            if let Some(parent) = nodes.get(entry.parent as usize) {
+                let (low, high, lane) = (&parent.boxes.low, &parent.boxes.high, entry.lane as usize);
+                let (near, far) = self.depths::<16, L::X16>(L::X16::splat(low[z][lane]), L::X16::splat(high[z][lane]));
+                packets = self.shafts.meet::<L>(
+                    [near, far],
+                    [[low[x][lane], high[x][lane]], [low[y][lane], high[y][lane]]],
+                );
+                if packets == 0 {
+                    continue;
+                }
+            }
             if entry.child.count > 0 {
-                return Some(entry.child);
+                return Some((entry.child, packets));
             }
             let node = &nodes[entry.child.first as usize];
             let (low, high) = (&node.boxes.low, &node.boxes.high);
@@ -408,7 +436,7 @@ impl Frame {
                 let lane = met.trailing_zeros() as usize;
                 met &= met - 1;
                 let near = nears[lane];
-                stack.push(Entry { child: node.children[lane], near });
+                stack.push(Entry { child: node.children[lane], near, parent: entry.child.first, lane: lane as u32 });
                 let mut k = stack.len() - 1;
                 while k > base && stack[k - 1].near < near {
                     stack.swap(k - 1, k);
@@ -460,20 +488,10 @@ impl Frame {
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
-            // Which packets?
-            let s = &self.shafts;
-            let depths = [L::X16::splat(near[lane]), L::X16::splat(far[lane])];
-            let mut packets = depths[0].le(L::X16::load(&s.far)) & L::X16::load(&s.start).le(depths[1]);
-            for k in 0..2 {
-                let lines = [
-                    L::X16::load(&s.low[k]),
-                    L::X16::load(&s.low_slope[k]),
-                    L::X16::load(&s.high[k]),
-                    L::X16::load(&s.high_slope[k]),
-                ];
-                let range = [L::X16::splat(ranges[k].0[lane]), L::X16::splat(ranges[k].1[lane])];
-                packets &= overlap(lines, depths, range);
-            }
+            let mut packets = self.shafts.meet::<L>(
+                [L::X16::splat(near[lane]), L::X16::splat(far[lane])],
+                [[ranges[0].0[lane], ranges[0].1[lane]], [ranges[1].0[lane], ranges[1].1[lane]]],
+            );
             if packets == 0 {
                 continue;
             }
@@ -555,7 +573,7 @@ impl Shafts {
         far: [f32::NEG_INFINITY; LANES],
     };
 
-    /// The widest side of one shaft where it is narrower: at depth 0 or at the end.
+    /// The wider side of one shaft halfway to a depth.
     #[inline(always)]
     fn side(&self, p: usize, depth: f32) -> f32 {
         let one = |of: &[[f32; LANES]; 2]| [of[0][p], of[1][p]];
@@ -567,6 +585,22 @@ impl Shafts {
             ..Shaft::NONE
         }
         .side(depth)
+    }
+
+    /// A bit for each shaft that meets a box, given as two depths and ranges along both cross axes.
+    #[inline(always)]
+    fn meet<L: Lanes>(&self, depths: [L::X16; 2], ranges: [[f32; 2]; 2]) -> u32 {
+        let mut met = depths[0].le(L::X16::load(&self.far)) & L::X16::load(&self.start).le(depths[1]);
+        for k in 0..2 {
+            let lines = [
+                L::X16::load(&self.low[k]),
+                L::X16::load(&self.low_slope[k]),
+                L::X16::load(&self.high[k]),
+                L::X16::load(&self.high_slope[k]),
+            ];
+            met &= overlap(lines, depths, [L::X16::splat(ranges[k][0]), L::X16::splat(ranges[k][1])]);
+        }
+        met
     }
 
     /// Sets one packet's lines along one cross axis from where its rays stand at depth 0 and at the end.
@@ -583,11 +617,11 @@ impl Shaft {
     const NONE: Self =
         Self { low: [0.0; 2], low_slope: [0.0; 2], high: [0.0; 2], high_slope: [0.0; 2], start: 0.0, far: 0.0 };
 
-    /// Its widest side where it is narrower: at depth 0 or at the end.
+    /// Its wider side halfway to a depth.
     #[inline(always)]
     fn side(&self, depth: f32) -> f32 {
-        let wide = |k: usize, w: f32| self.high[k] - self.low[k] + (self.high_slope[k] - self.low_slope[k]) * w;
-        wide(0, 0.0).max(wide(1, 0.0)).min(wide(0, depth).max(wide(1, depth)))
+        let side = |k: usize| self.high[k] - self.low[k] + (self.high_slope[k] - self.low_slope[k]) * (0.5 * depth);
+        side(0).max(side(1))
     }
 }
 
