@@ -145,8 +145,7 @@ pub fn estimate_seconds(recipe: &Recipe, plan: &Plan, jobs: usize) -> f64 {
     let cell_m = recipe.camera().gsd_m;
     let cells: f64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, cell_m) as f64).sum();
     let rays = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT).rays as f64;
-    let seconds =
-        cells * cell_m * cell_m * SECONDS_PER_M2 + rays / RAYS_PER_SECOND + cells / MAP_CELLS_PER_SECOND;
+    let seconds = cells * cell_m * cell_m * SECONDS_PER_M2 + rays / RAYS_PER_SECOND + cells / MAP_CELLS_PER_SECOND;
     seconds / jobs.max(1) as f64
 }
 

@@ -1,0 +1,119 @@
+//! Many rays that go nearly the same way, taken through the scene together.
+//!
+//! Rays are kept as lines over depth along the axis that they share most of: `x(w) = x + slope_x w`. Between two planes
+//! of depth the rays of a bundle stay between the straight lines through their outermost points, its shaft; one test of
+//! the shaft stands for all rays. Sixteen rays make a packet with a shaft of its own; sixteen packets a bundle. What the
+//! shafts leave is sieved ray by ray in f32 with a bound, and what that leaves is decided in f64, in the same words as
+//! for single rays. So the answers are those of single rays, bit for bit.
+
+mod frame;
+mod shaft;
+mod walk;
+
+use crate::query::Query;
+use crate::simd::{Lanes, dispatch};
+use crate::single::{self, through_instance};
+use crate::tree::Trees;
+use crate::triangle::ShearedRay;
+use frame::Frame;
+use walk::Entry;
+
+const LANES: usize = 16;
+/// Rays of a bundle at most.
+pub(crate) const MOST: usize = LANES * LANES;
+/// About the size of what stands behind a leaf, m. Rays that lie farther apart than some of them meet more triangles
+/// together than alone.
+const GRAIN_M: f32 = 1.5;
+/// Grains that a packet may be wide, and packets and grains that a bundle may be.
+const WIDEST_PACKET: f32 = 2.5;
+const WIDEST_BUNDLE: f32 = 8.0;
+/// Rays whose slope against the shared axis is larger go alone.
+const STEEPEST: f64 = 1.6;
+
+/// Side of a square of neighbouring rays that fill a bundle.
+pub const TILE_SIDE: u32 = 16;
+
+/// The cells (column, row) of a tile in the order in which their rays make the narrowest packets: squares of 4 x 4.
+pub fn tile_order(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
+    let squares = move |j: u32| (0..width.div_ceil(4)).map(move |i| (4 * i, 4 * j));
+    (0..height.div_ceil(4))
+        .flat_map(squares)
+        .flat_map(|(x, y)| (0..16).map(move |k| (x + k % 4, y + k / 4)))
+        .filter(move |(x, y)| *x < width && *y < height)
+}
+
+dispatch! {
+    /// Takes up to [`MOST`] rays through the scene.
+    fn trace<Q: Query>(trees: &Trees, queries: &mut [Q]) = whole
+}
+
+#[inline(always)]
+fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
+    let mut stacks = Stacks { outer: Vec::with_capacity(64), inner: Vec::with_capacity(64), alone: Vec::new() };
+    let mut parts = vec![queries];
+    while let Some(queries) = parts.pop() {
+        match Frame::world(lanes, &trees.instances, queries) {
+            Ok(frame) => together(lanes, trees, frame, queries, &mut stacks),
+            Err(Split::Packets) => parts.extend(queries.chunks_mut(LANES)),
+            Err(Split::Rays) => {
+                for query in queries {
+                    single::whole(lanes, trees, query, &mut stacks.alone);
+                }
+            }
+        }
+    }
+}
+
+/// Takes rays that share a way through the scene.
+#[inline(always)]
+fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queries: &mut [Q], stacks: &mut Stacks) {
+    let sheared: Vec<ShearedRay> = queries.iter().map(|q| ShearedRay::new(q.ray())).collect();
+    stacks.outer.push(Entry::ROOT);
+    while let Some((leaf, packets)) = world.next(lanes, &trees.instances.nodes, &mut stacks.outer) {
+        for place in leaf.first..leaf.first + leaf.count {
+            let placement = &trees.placements[place as usize];
+            let mesh = &trees.meshes[placement.mesh as usize];
+            if placement.identity {
+                stacks.inner.push(Entry::ROOT);
+                while let Some((leaf, _)) = world.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
+                    let block = &mesh.blocks[leaf.first as usize];
+                    world.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
+                }
+                continue;
+            }
+            let Some(mut object) = world.seen_from(lanes, placement, &mesh.tree, packets) else {
+                for (index, (query, sheared)) in queries.iter_mut().zip(&sheared).enumerate() {
+                    if packets >> (index / LANES) & 1 == 1 {
+                        through_instance(lanes, trees, place, sheared, query, &mut stacks.alone);
+                    }
+                }
+                world.refresh(queries, packets);
+                continue;
+            };
+            let mut touched = 0;
+            stacks.inner.push(Entry::ROOT);
+            while let Some((leaf, _)) = object.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
+                let block = &mesh.blocks[leaf.first as usize];
+                touched |= object.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
+            }
+            if touched != 0 {
+                world.refresh(queries, touched);
+            }
+        }
+    }
+}
+
+/// What waits, of both levels of bundles and of rays that go alone.
+struct Stacks {
+    outer: Vec<Entry>,
+    inner: Vec<Entry>,
+    alone: Vec<single::Entry>,
+}
+
+/// Why rays cannot go as one bundle; it decides over time, never over answers.
+enum Split {
+    /// Their packets can.
+    Packets,
+    /// They go their own ways.
+    Rays,
+}

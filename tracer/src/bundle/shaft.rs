@@ -1,0 +1,141 @@
+//! Outlines of rays over depth.
+#![allow(clippy::needless_range_loop)] // Lanes and axes are numbers here, across several arrays at once.
+
+use super::LANES;
+use crate::simd::{Lanes, Wide};
+
+/// Sixteen rays over depth.
+#[derive(Clone, Copy)]
+pub(super) struct Packet {
+    /// Place at depth 0 and slope, for both cross axes, m.
+    pub(super) place: [[f32; LANES]; 2],
+    pub(super) slope: [[f32; LANES]; 2],
+    /// Depth at which a ray starts, and beyond which it wants nothing; minus infinity once it is done.
+    pub(super) start: [f32; LANES],
+    pub(super) far: [f32; LANES],
+}
+
+/// Outlines of sixteen shafts over depth: lower and upper line along both cross axes.
+#[derive(Clone, Copy)]
+pub(super) struct Shafts {
+    pub(super) low: [[f32; LANES]; 2],
+    pub(super) low_slope: [[f32; LANES]; 2],
+    pub(super) high: [[f32; LANES]; 2],
+    pub(super) high_slope: [[f32; LANES]; 2],
+    pub(super) start: [f32; LANES],
+    pub(super) far: [f32; LANES],
+}
+
+/// One shaft.
+#[derive(Clone, Copy)]
+pub(super) struct Shaft {
+    pub(super) low: [f32; 2],
+    pub(super) low_slope: [f32; 2],
+    pub(super) high: [f32; 2],
+    pub(super) high_slope: [f32; 2],
+    pub(super) start: f32,
+    pub(super) far: f32,
+}
+impl Packet {
+    pub(super) const NONE: Self = Self {
+        place: [[0.0; LANES]; 2],
+        slope: [[0.0; LANES]; 2],
+        start: [0.0; LANES],
+        far: [f32::NEG_INFINITY; LANES],
+    };
+}
+
+impl Shafts {
+    pub(super) const NONE: Self = Self {
+        low: [[0.0; LANES]; 2],
+        low_slope: [[0.0; LANES]; 2],
+        high: [[0.0; LANES]; 2],
+        high_slope: [[0.0; LANES]; 2],
+        start: [f32::INFINITY; LANES],
+        far: [f32::NEG_INFINITY; LANES],
+    };
+
+    /// The wider side of one shaft halfway to a depth.
+    #[inline(always)]
+    pub(super) fn side(&self, p: usize, depth: f32) -> f32 {
+        let one = |of: &[[f32; LANES]; 2]| [of[0][p], of[1][p]];
+        Shaft {
+            low: one(&self.low),
+            low_slope: one(&self.low_slope),
+            high: one(&self.high),
+            high_slope: one(&self.high_slope),
+            ..Shaft::NONE
+        }
+        .side(depth)
+    }
+
+    /// A bit for each shaft that meets a box, given as two depths and ranges along both cross axes.
+    #[inline(always)]
+    pub(super) fn meet<L: Lanes>(&self, depths: [L::X16; 2], ranges: [[f32; 2]; 2]) -> u32 {
+        let mut met = depths[0].le(L::X16::load(&self.far)) & L::X16::load(&self.start).le(depths[1]);
+        for k in 0..2 {
+            let lines = [
+                L::X16::load(&self.low[k]),
+                L::X16::load(&self.low_slope[k]),
+                L::X16::load(&self.high[k]),
+                L::X16::load(&self.high_slope[k]),
+            ];
+            met &= overlap(lines, depths, [L::X16::splat(ranges[k][0]), L::X16::splat(ranges[k][1])]);
+        }
+        met
+    }
+
+    /// Sets one packet's lines along one cross axis from where its rays stand at depth 0 and at the end.
+    #[inline(always)]
+    pub(super) fn line(
+        &mut self,
+        p: usize,
+        k: usize,
+        [low, high, low_end, high_end]: [f32; 4],
+        error_m: f32,
+        depth: f32,
+    ) {
+        self.low[k][p] = low - error_m;
+        self.low_slope[k][p] = (low_end - low) / depth;
+        self.high[k][p] = high + error_m;
+        self.high_slope[k][p] = (high_end - high) / depth;
+    }
+}
+
+impl Shaft {
+    pub(super) const NONE: Self =
+        Self { low: [0.0; 2], low_slope: [0.0; 2], high: [0.0; 2], high_slope: [0.0; 2], start: 0.0, far: 0.0 };
+
+    /// Its wider side halfway to a depth.
+    #[inline(always)]
+    pub(super) fn side(&self, depth: f32) -> f32 {
+        let side = |k: usize| self.high[k] - self.low[k] + (self.high_slope[k] - self.low_slope[k]) * (0.5 * depth);
+        side(0).max(side(1))
+    }
+}
+/// Smallest and largest number.
+#[inline(always)]
+pub(super) fn range(x: &[f32; LANES]) -> (f32, f32) {
+    let (mut low, mut high) = (x[0], x[0]);
+    for v in &x[1..] {
+        low = if *v < low { *v } else { low };
+        high = if *v > high { *v } else { high };
+    }
+    (low, high)
+}
+/// A bit for each lane where the space between two lines over depth, given as place and slope, meets a range somewhere
+/// between two depths.
+#[inline(always)]
+pub(super) fn overlap<const N: usize, X: Wide<N>>(lines: [X; 4], depths: [X; 2], [low, high]: [X; 2]) -> u32 {
+    let [l, ls, h, hs] = lines;
+    let lowest = l.add(ls.mul(depths[0])).min(l.add(ls.mul(depths[1])));
+    let highest = h.add(hs.mul(depths[0])).max(h.add(hs.mul(depths[1])));
+    lowest.le(high) & low.le(highest)
+}
+// What follows are functions and not closures: only functions are sure to be compiled into their callers, and code that
+// is not has no vector instructions.
+
+#[inline(always)]
+pub(super) fn splat4<const N: usize, X: Wide<N>>(x: [f32; 4]) -> [X; 4] {
+    [X::splat(x[0]), X::splat(x[1]), X::splat(x[2]), X::splat(x[3])]
+}
