@@ -4,6 +4,8 @@
 //! cube straight from the bits of the hash, so that there is neither a table nor a branch; and the lattice enters the
 //! hash as a sum of products, so that the corners of a cell share all of it but the finaliser. All after the cell is f32.
 
+use crate::noise::{fade, lerp};
+
 /// Odd, far from each other's multiples: cells of equal sums are thousands of cells apart.
 const PRIME_X: u32 = 0x9e37_79b1;
 const PRIME_Y: u32 = 0x85eb_ca77;
@@ -49,16 +51,6 @@ pub(crate) fn cell(x: f64) -> (i32, f32) {
 pub(crate) fn floor(x: f64) -> i32 {
     let towards_zero = x as i32;
     towards_zero - i32::from(f64::from(towards_zero) > x)
-}
-
-#[inline]
-fn fade(t: f32) -> f32 {
-    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-}
-
-#[inline]
-fn lerp(a: f32, b: f32, t: f32) -> f32 {
-    a + (b - a) * t
 }
 
 /// Gradients of the four corners of a cell, times 2^15.

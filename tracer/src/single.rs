@@ -5,7 +5,7 @@ use crate::query::Query;
 use crate::simd::{Lanes, Wide, dispatch};
 use crate::slab::SlabRay;
 use crate::tree::{Block, Trees};
-use crate::triangle::ShearedRay;
+use crate::triangle::{ShearedRay, main_axis};
 use glam::DVec3;
 
 dispatch! {
@@ -144,14 +144,7 @@ struct Sieve {
 impl Sieve {
     #[inline(always)]
     fn new(ray: &SlabRay, origin: DVec3, direction: DVec3, slack: f64) -> Self {
-        let a = direction.abs();
-        let z = if a.x >= a.y && a.x >= a.z {
-            0
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
+        let z = main_axis(direction);
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let from = origin + direction * ray.start_t;
         Self {
@@ -159,7 +152,7 @@ impl Sieve {
             from: [from[x] as f32, from[y] as f32, from[z] as f32],
             shear: [(direction[x] / direction[z]) as f32, (direction[y] / direction[z]) as f32],
             sign: if direction[z] < 0.0 { -1.0 } else { 1.0 },
-            depth_per_t: a[z] as f32,
+            depth_per_t: direction[z].abs() as f32,
             error_m: slack as f32,
         }
     }

@@ -8,6 +8,19 @@
 use glam::DVec3;
 use satseed_scene::Ray;
 
+/// The axis that a direction goes along most.
+#[inline(always)]
+pub(crate) fn main_axis(direction: DVec3) -> usize {
+    let a = direction.abs();
+    if a.x >= a.y && a.x >= a.z {
+        0
+    } else if a.y >= a.z {
+        1
+    } else {
+        2
+    }
+}
+
 /// A ray prepared for the test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay {
@@ -30,14 +43,7 @@ pub(crate) struct Crossing {
 impl ShearedRay {
     pub(crate) fn new(ray: &Ray) -> Self {
         let d = ray.direction;
-        let a = d.abs();
-        let kz = if a.x >= a.y && a.x >= a.z {
-            0
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
+        let kz = main_axis(d);
         let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
         if d[kz] < 0.0 {
             core::mem::swap(&mut kx, &mut ky);

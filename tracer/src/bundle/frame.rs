@@ -8,6 +8,7 @@ use crate::query::Query;
 use crate::simd::{Lanes, Wide};
 use crate::slab::Bounds;
 use crate::tree::Placement;
+use crate::triangle::main_axis;
 use glam::DVec3;
 
 /// A bundle in the frame of a tree.
@@ -251,8 +252,7 @@ impl Frame {
 /// Two cross axes and the axis that a direction goes along most.
 #[inline(always)]
 fn axes(direction: DVec3) -> [usize; 3] {
-    let a = direction.abs();
-    let z = if a.z >= a.x && a.z >= a.y { 2 } else { usize::from(a.y >= a.x) };
+    let z = main_axis(direction);
     [(z + 1) % 3, (z + 2) % 3, z]
 }
 
