@@ -37,7 +37,7 @@ pub struct Params {
 
 impl Default for Params {
     fn default() -> Self {
-        Self { radius_m: 700.0, relief_m: 170.0, roughness: 1.0, texture_contrast: 1.0 }
+        Self { radius_m: 700.0, relief_m: 190.0, roughness: 1.0, texture_contrast: 1.0 }
     }
 }
 

@@ -80,6 +80,8 @@ pub(super) struct Cover {
     pub(super) climb_m: f64,
 }
 
+/// How far a bed's face may stand before or behind its mean line, m.
+const FACE_M: f64 = 5.0;
 /// The largest distance from the river that is kept, m.
 const RIVER_REACH_M: f64 = 120.0;
 
@@ -154,7 +156,7 @@ impl<'a> Relief<'a> {
         let smooth = d.clone();
         let outlet = |p: usize| plan[p].1 < 0.5 * WORN_M || on_border(p, width, height);
         let ease = |habit: Habit| match habit {
-            Habit::Cliff => 0.7_f32,
+            Habit::Cliff => 0.3_f32,
             Habit::Slope => 1.3,
             Habit::Bench => 1.0,
             Habit::Plateau => 0.25,
@@ -235,7 +237,8 @@ impl<'a> Relief<'a> {
             let inward = i.min(j).min(width - 1 - i).min(height - 1 - j) as f64 * WORN_M;
             let height = self.strata.height_at(f64::from(d.data[p]));
             let bed = self.strata.bed_at(height);
-            if self.strata.beds[bed].habit != Habit::Cliff || draw(0) > 0.3 || inward < 30.0 {
+            let is_foot = self.strata.beds[bed].habit == Habit::Cliff && self.strata.cliff_foot(bed) == bed;
+            if !is_foot || draw(0) > 0.3 || inward < 30.0 {
                 continue;
             }
             let base = self.strata.base_m(bed);
@@ -275,21 +278,30 @@ impl<'a> Relief<'a> {
     fn rock(&self, p: DVec2, distance_m: f64, climb_m: f64) -> f64 {
         let seeds = &self.seeds;
         let rough = self.roughness;
-        let bed = self.strata.bed_at(self.strata.height_at(distance_m));
-        let habit = self.strata.beds[bed].habit;
         let keep = smoothstep(0.0, 6.0, climb_m);
-        // Each bed's face has a line of its own, cut by its joints.
-        let salt = (bed as u32).wrapping_mul(0x9e37);
-        let face = match habit {
-            Habit::Cliff => {
-                let cell = 3.5 + f64::from(unit_from_hash(hash_cell(bed as i32, 3, 0, seeds.joints))) * 6.0;
-                let (block, _) = blocks(p, seeds.joints ^ salt, cell);
-                0.75 * block + fractal(p, seeds.joints ^ salt ^ 0x55, 18.0, 4, 0.5) * 2.4
-            }
-            Habit::Slope | Habit::Bench => fractal(p, seeds.joints ^ 0x99, 15.0, 4, 0.5) * 1.4,
-            Habit::Plateau => 0.0,
+        // Joints and bays run through all beds of a cliff, and each of them stands a little before or behind the others.
+        let mut cliff = (usize::MAX, 0.0);
+        let face = |bed: usize| {
+            let line = match self.strata.beds[bed].habit {
+                Habit::Cliff => {
+                    let foot = self.strata.cliff_foot(bed);
+                    if cliff.0 != foot {
+                        let salt = (foot as u32).wrapping_mul(0x9e37);
+                        let cell = 3.5 + f64::from(unit_from_hash(hash_cell(foot as i32, 3, 0, seeds.joints))) * 6.0;
+                        let (block, _) = blocks(p, seeds.joints ^ salt, cell);
+                        let bays = fractal(p, seeds.joints ^ salt ^ 0x55, 26.0, 4, 0.5);
+                        cliff = (foot, 0.75 * block + 3.8 * bays);
+                    }
+                    let own = fractal(p, seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 11.0, 3, 0.5);
+                    cliff.1 + 0.7 * own
+                }
+                Habit::Slope | Habit::Bench => fractal(p, seeds.joints ^ 0x99, 15.0, 4, 0.5) * 1.4,
+                Habit::Plateau => 0.0,
+            };
+            (line * rough * keep).clamp(-FACE_M, FACE_M)
         };
-        let h = self.strata.height_at(distance_m + face * rough * keep);
+        let (h, bed) = self.strata.wall_at(distance_m, FACE_M, face);
+        let habit = self.strata.beds[bed].habit;
         let detail = match habit {
             Habit::Cliff => fractal(p, seeds.ground, 3.0, 3, 0.6) * 0.25,
             Habit::Slope | Habit::Bench => fractal(p, seeds.ground, 9.0, 5, 0.55) * 0.35,

@@ -37,6 +37,10 @@ pub(super) struct Strata {
     pub(super) beds: Vec<Bed>,
     /// Knees of the profile: distance and height, both ascending.
     knees: Vec<(f64, f64)>,
+    /// Where in the profile each bed begins, m.
+    starts_m: Vec<f64>,
+    /// The lowest bed of the cliff that each bed is part of.
+    cliff_feet: Vec<usize>,
     /// Thin layers of colour within the beds, for the material.
     laminae: Vec<(f32, Bands)>,
 }
@@ -50,7 +54,7 @@ const RED_MUDSTONE: Bands = Bands::new(0.07, 0.10, 0.175, 0.25);
 const PALE_SILTSTONE: Bands = Bands::new(0.17, 0.205, 0.25, 0.30);
 
 impl Strata {
-    /// A stack for a relief: the first of the path's draws with 12 to 30 beds in the wall and a third to three fifths
+    /// A stack for a relief: the first of the path's draws with 12 to 30 beds in the wall and about three quarters
     /// of it cliff.
     pub(super) fn new(relief_m: f64, path: &SeedPath) -> Self {
         let draw = |k| Self::draw(relief_m, &path.index(k));
@@ -61,7 +65,7 @@ impl Strata {
         let (first, last) = (self.bed_at(RIM_M - relief_m), self.bed_at(RIM_M - 0.01));
         let thick = |b: usize| self.beds[b].top_m - self.base_m(b);
         let cliff: f64 = (first..=last).filter(|b| self.beds[*b].habit == Habit::Cliff).map(thick).sum();
-        (12..=30).contains(&(last + 1 - first)) && (0.36..0.60).contains(&(cliff / relief_m))
+        (12..=30).contains(&(last + 1 - first)) && (0.69..0.84).contains(&(cliff / relief_m))
     }
 
     fn draw(relief_m: f64, path: &SeedPath) -> Self {
@@ -71,6 +75,10 @@ impl Strata {
         let mut beds = Vec::new();
         let mut top = RIM_M;
         let mut habit = Habit::Cliff;
+        // Beds without a soft one between stand as great cliffs: at the rim, and once below it.
+        let cap_bottom = RIM_M - relief_m * rng.range(0.09, 0.19);
+        let great_top = RIM_M - relief_m * rng.range(0.26, 0.54);
+        let great_bottom = great_top - relief_m * rng.range(0.36, 0.47);
         let bench_at = RIM_M - relief_m * rng.range(0.45, 0.75);
         let mut bench_left = rng.chance(0.7);
         while top > floor - BELOW_FLOOR_M {
@@ -79,7 +87,7 @@ impl Strata {
             } else if habit == Habit::Bench {
                 rng.range(3.0, 6.0)
             } else {
-                rng.lognormal(6.0, 0.6).clamp(1.0, 25.0)
+                rng.lognormal(if habit == Habit::Cliff { 8.0 } else { 4.5 }, 0.6).clamp(1.0, 25.0)
             };
             beds.push(Bed { top_m: top, habit, color: bed_color(habit, &mut rng) });
             top -= thick;
@@ -88,15 +96,18 @@ impl Strata {
                     bench_left = false;
                     Habit::Bench
                 }
+                Habit::Cliff | Habit::Slope if top > cap_bottom || top < great_top && top > great_bottom => {
+                    Habit::Cliff
+                }
                 Habit::Cliff => {
-                    if rng.chance(0.68) {
+                    if rng.chance(0.75) {
                         Habit::Slope
                     } else {
                         Habit::Cliff
                     }
                 }
                 Habit::Slope => {
-                    if rng.chance(0.6) {
+                    if rng.chance(0.5) {
                         Habit::Cliff
                     } else {
                         Habit::Slope
@@ -115,7 +126,11 @@ impl Strata {
         }
         let knees = profile(bottom, &beds, &mut path.child("profile").rng());
         let laminae = laminate(bottom, &beds, &mut path.child("laminae").rng());
-        Self { beds, knees, laminae }
+        let is_one = |b: usize| b > 0 && beds[b].habit == Habit::Cliff && beds[b - 1].habit == Habit::Cliff;
+        let cliff_feet = (0..beds.len()).map(|b| (0..=b).rev().find(|c| !is_one(*c)).unwrap_or(0)).collect();
+        let mut strata = Self { beds, knees, starts_m: Vec::new(), cliff_feet, laminae };
+        strata.starts_m = (0..strata.beds.len()).map(|b| strata.distance_of(strata.base_m(b))).collect();
+        strata
     }
 
     /// Stratigraphic height of a wall at a distance, m.
@@ -126,6 +141,25 @@ impl Strata {
     /// Distance at which a wall reaches a stratigraphic height, m.
     pub(super) fn distance_of(&self, height_m: f64) -> f64 {
         interpolate(&self.knees, height_m, |k| (k.1, k.0))
+    }
+
+    /// Height of a wall whose beds' faces stand before (positive) or behind their mean line by what `face_m` tells of
+    /// each, `reach_m` at most, and the bed that is found there. Where a bed stands before those below it the wall is
+    /// plumb; where it stands behind them, they end in a ledge.
+    pub(super) fn wall_at(&self, distance_m: f64, reach_m: f64, mut face_m: impl FnMut(usize) -> f64) -> (f64, usize) {
+        let mut bed = self.starts_m.partition_point(|s| *s < distance_m + reach_m).saturating_sub(1);
+        loop {
+            let d = distance_m + face_m(bed);
+            if d >= self.starts_m[bed] || bed == 0 {
+                return (self.height_at(d).clamp(self.base_m(bed), self.beds[bed].top_m), bed);
+            }
+            bed -= 1;
+        }
+    }
+
+    /// The lowest bed of the cliff that a bed is part of, by number.
+    pub(super) fn cliff_foot(&self, bed: usize) -> usize {
+        self.cliff_feet[bed]
     }
 
     /// The bed at a stratigraphic height, by number.
@@ -197,15 +231,15 @@ fn profile(bottom_m: f64, beds: &[Bed], rng: &mut Rng) -> Vec<(f64, f64)> {
             let take = |thick: f64| if left - thick < 0.5 { left } else { thick };
             match bed.habit {
                 Habit::Cliff => {
-                    let rise = take(rng.lognormal(3.2, 0.5).clamp(0.8, 9.0));
-                    let ledge = (rise * 0.12).min(0.3);
-                    course(rise - ledge, rng.lognormal(5.2, 0.4).clamp(2.9, 11.0), &mut h);
-                    course(ledge, rng.range(0.25, 0.9), &mut h);
+                    let rise = take(rng.lognormal(5.0, 0.6).clamp(1.2, 18.0));
+                    let ledge = (rise * 0.03).min(0.15);
+                    course(rise - ledge, rng.lognormal(24.0, 0.4).clamp(8.0, 50.0), &mut h);
+                    course(ledge, rng.range(0.5, 1.5), &mut h);
                 }
                 Habit::Slope if rng.chance(0.3) && left > 2.5 => {
                     course(rng.range(0.5, 1.6), rng.range(2.0, 4.0), &mut h);
                 }
-                Habit::Slope => course(take(rng.range(1.5, 5.0)), rng.range(0.54, 0.68), &mut h),
+                Habit::Slope => course(take(rng.range(1.5, 5.0)), rng.range(0.58, 0.74), &mut h),
                 Habit::Bench => course(take(rng.range(0.8, 2.0)), rng.range(0.10, 0.26), &mut h),
                 Habit::Plateau if rng.chance(0.25) => course(take(rng.range(0.5, 1.5)), 1.2, &mut h),
                 Habit::Plateau => course(take(rng.range(1.0, 3.0)), rng.range(0.05, 0.11), &mut h),

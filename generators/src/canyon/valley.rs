@@ -178,7 +178,7 @@ struct Eroded {
 fn erode(strata: &Strata, fold: &Fold, trunk: &Trunk, path: &SeedPath) -> Eroded {
     let seed = path.hash_u32();
     let mut rng = path.rng();
-    let reach = rng.range(1.4, 2.4);
+    let reach = rng.range(2.3, 3.2);
     let grid = |cell: f64| {
         let n = (2.0 * DOMAIN_M / cell) as usize;
         Raster::filled(DVec2::splat(cell / 2.0 - DOMAIN_M), cell, n, n, 0.0_f32)
