@@ -184,7 +184,7 @@ impl Frames {
         let steps = || self.deciles.iter().enumerate().filter(|(_, d)| **d == decile).map(|(step, _)| step);
         steps().for_each(|step| sum.merge(&sums[step]));
         // Empty steps at a tenth's border belong to no pixel: the border is where the next tenth's first pixels are.
-        let (from, to) = (steps().next()?, steps().last()? + 1);
+        let (from, to) = (steps().next()?, steps().next_back()? + 1);
         named(format!("{} of 10", decile + 1), Some(texture::levels(from)), Some(texture::levels(to)), &sum)
     }
 

@@ -81,8 +81,9 @@ impl Tally {
             let truth_px = f64::from(truth.disparity_px[i]);
             tally.total.add(occluded, truth_px, *predicted_px);
             for (sums, bins) in tally.bins.iter_mut().zip(&truth.bins) {
-                let bin = bins.as_ref().and_then(|bins| sums.get_mut(usize::from(bins[i])));
-                bin.into_iter().for_each(|sum| sum.add(occluded, truth_px, *predicted_px));
+                if let Some(sum) = bins.as_ref().and_then(|bins| sums.get_mut(usize::from(bins[i]))) {
+                    sum.add(occluded, truth_px, *predicted_px);
+                }
             }
             if truth.jump_distances[i] <= ZONE_SQUARED_PX {
                 tally.zone.add(occluded, truth_px, *predicted_px);
@@ -102,7 +103,9 @@ impl Tally {
         for (mean, sums) in
             [(&mut tally.images.noc, both.noc), (&mut tally.images.occ, both.occ), (&mut tally.images.all, both.all())]
         {
-            sums.epe_px().into_iter().for_each(|epe| mean.add(epe));
+            if let Some(epe_px) = sums.epe_px() {
+                mean.add(epe_px);
+            }
         }
         tally
     }

@@ -122,7 +122,9 @@ pub(super) fn strangers(folder: &Path, known: &BTreeSet<PathBuf>) -> Vec<PathBuf
     };
     for path in entries(folder) {
         if path.is_dir() {
-            entries(&path).iter().for_each(|inner| look(inner));
+            for inner in entries(&path) {
+                look(&inner);
+            }
         } else {
             look(&path);
         }
