@@ -231,7 +231,7 @@ fn hostile_files_give_a_sentence() {
             changed[at] = word[5];
         }
         if word[6] % 4 == 0 {
-            changed.truncate(near(&word, changed.len()));
+            changed.truncate(near(word, changed.len()));
         }
         let path = files[0].with_extension(extension);
         fs::remove_file(&files[0]).ok();
@@ -243,6 +243,6 @@ fn hostile_files_give_a_sentence() {
     }
 }
 
-fn near(word: &[u8; 8], length: usize) -> usize {
+fn near(word: [u8; 8], length: usize) -> usize {
     usize::from(u16::from_le_bytes([word[0], word[1]])) % length
 }

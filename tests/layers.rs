@@ -52,6 +52,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("tiff", &["dataset", "evaluate"]),
     ("tiff_writer", &["dataset"]),
     ("tiff_core", &["dataset"]),
+    ("base64", &["evaluate"]),
     ("half", &["evaluate"]),
     ("rustix", &["dataset"]),
     ("anyhow", &["cli", "main"]),

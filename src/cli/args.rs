@@ -230,6 +230,9 @@ pub(crate) struct EvaluateArgs {
     /// Write everything that is measured as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    /// Write a report with plots and the worst samples, one file that needs no network
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
     /// Exit with 1 where a metric is above a value, such as noc.epe_px=1.5, all.d1=0.05 or boundary.bad_1=0.3
     #[arg(long, value_name = "METRIC=VALUE")]
     pub(crate) fail_above: Vec<Limit>,

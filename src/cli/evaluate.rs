@@ -6,7 +6,7 @@ use super::output::write_stdout;
 use anyhow::Context as _;
 use indicatif::{ProgressBar, ProgressStyle};
 use satseed::dataset::{Dataset, DiskStore};
-use satseed::evaluate::{Breakdown, Evaluation, Options, Scores, evaluate};
+use satseed::evaluate::{Breakdown, Evaluation, Options, Scores, evaluate, html_report};
 use satseed::pipeline::thread_pool;
 use std::io::{self, IsTerminal as _, Write};
 
@@ -33,6 +33,10 @@ pub(crate) fn run(args: &EvaluateArgs) -> anyhow::Result<Exit> {
         let mut text = serde_json::to_string_pretty(&evaluation)?;
         text.push('\n');
         std::fs::write(file, text).with_context(|| format!("cannot write {}", file.display()))?;
+    }
+    if let Some(file) = &args.report {
+        let page = html_report(&dataset, &args.predictions, &options, &evaluation)?;
+        std::fs::write(file, page).with_context(|| format!("cannot write {}", file.display()))?;
     }
     let exceeded: Vec<String> = args.fail_above.iter().filter_map(|limit| limit.exceeded(&evaluation)).collect();
     write_stdout(|out| {

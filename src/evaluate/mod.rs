@@ -5,6 +5,7 @@
 
 mod boundary;
 mod breakdown;
+mod html;
 mod mistakes;
 mod prediction;
 mod report;
@@ -14,6 +15,7 @@ mod texture;
 mod truth;
 
 pub use breakdown::{Breakdown, Row};
+pub use html::html_report;
 pub use mistakes::{Mistake, MistakeKind};
 pub use report::{BoundaryScores, Evaluation, Group, Limit, RegionGroup, SampleScores, Unusable};
 pub use score::{ByVisibility, Scores};
