@@ -246,3 +246,26 @@ fn hostile_files_give_a_sentence() {
 fn near(word: [u8; 8], length: usize) -> usize {
     usize::from(u16::from_le_bytes([word[0], word[1]])) % length
 }
+
+/// The report opens without a network, runs nothing, and has a picture of every kind.
+#[test]
+fn the_report_is_one_file() {
+    let bench = Bench::new();
+    bench.predict("fair", |i, d, _| if i % 9 == 0 { f32::NAN } else { d + (i % 5) as f32 });
+    fs::write(bench.folder.path().join("fair/<script>&.npy"), b"").unwrap();
+    let (code, said) = bench.evaluate("fair", &["--report", "report.html"]);
+    assert_eq!(code, Some(0), "{said}");
+    let page = fs::read_to_string(bench.folder.path().join("report.html")).unwrap();
+    for foreign in ["http", "<script", "src=\"/", "url(", "@import", "NaN", "inf"] {
+        assert!(!page.contains(foreign), "{foreign} stands in the report");
+    }
+    assert!(page.contains("&lt;script&gt;&amp;.npy belongs to no sample"));
+    // Eight break-downs with two plots each, four pictures of each of the two samples.
+    assert_eq!((page.matches("<svg").count(), page.matches("<img").count()), (16, 8));
+    for tag in ["div", "figure", "svg", "table", "tr", "p", "h2", "details", "text", "span"] {
+        let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+        assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
+    }
+    let (code, said) = bench.evaluate("fair", &["--report", "nowhere/report.html"]);
+    assert!(code == Some(2) && said.contains("cannot write nowhere/report.html"), "{said}");
+}

@@ -6,10 +6,10 @@ use super::{escape, put};
 const COLOURS: [&str; 8] = ["var(--ink)", "#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#b3a100"];
 
 const WIDTH: f64 = 480.0;
-const HEIGHT: f64 = 250.0;
+const HEIGHT: f64 = 262.0;
 const LEFT: f64 = 42.0;
 const TOP: f64 = 22.0;
-const BOTTOM: f64 = 62.0;
+const BOTTOM: f64 = 74.0;
 
 /// One line of a plot: a value for each name, where there is one.
 pub(super) struct Series {
@@ -17,8 +17,8 @@ pub(super) struct Series {
     pub(super) values: Vec<Option<f64>>,
 }
 
-/// Draws the lines over their names, from zero up.
-pub(super) fn draw(page: &mut String, title: &str, names: &[&str], series: &[Series]) {
+/// Draws the values over their names, from zero up. `joined` draws lines through them: where the names have an order.
+pub(super) fn draw(page: &mut String, title: &str, names: &[String], series: &[Series], joined: bool) {
     let most = series.iter().flat_map(|s| s.values.iter().flatten()).fold(0.0_f64, |a, b| a.max(*b));
     let step = step(most);
     let top = step * (most / step).ceil().max(1.0);
@@ -64,11 +64,13 @@ pub(super) fn draw(page: &mut String, title: &str, names: &[&str], series: &[Ser
             put(&mut path, format_args!("{pen}{:.1} {:.1}", x(i), y(*value)));
             pen = 'L';
         }
-        put(page, format_args!("<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"));
+        if joined {
+            put(page, format_args!("<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"));
+        }
         for (i, value) in s.values.iter().enumerate() {
             let Some(value) = value else { continue };
             let (at, high) = (x(i), y(*value));
-            let (name, of) = (escape(&s.name), escape(names[i]));
+            let (name, of) = (escape(&s.name), escape(&names[i]));
             put(
                 page,
                 format_args!(
@@ -121,7 +123,8 @@ mod tests {
     fn missing_values_interrupt_the_line() {
         let mut page = String::new();
         let values = vec![Some(1.0), None, Some(2.0), Some(4.0)];
-        draw(&mut page, "<t>", &["a", "b", "c", "<d>"], &[Series { name: "x&y".into(), values }]);
+        let names = ["a", "b", "c", "<d>"].map(str::to_owned);
+        draw(&mut page, "<t>", &names, &[Series { name: "x&y".into(), values }], true);
         assert_eq!(page.matches("<circle").count(), 3);
         let line = page.split("fill=\"none\"").next().unwrap().rsplit("<path d=\"").next().unwrap();
         assert_eq!((line.matches('M').count(), line.matches('L').count()), (2, 1), "{line}");

@@ -105,23 +105,25 @@ fn head(page: &mut String, e: &Evaluation) {
             format_args!("<p class=\"say\">Likely mistake in {} of {} samples, {told}.</p>\n", m.samples, e.evaluated),
         );
     }
-    let missing = e.missing.iter().map(|id| format!("{id} has no prediction")).collect();
-    let unusable = e.unusable.iter().map(|u| format!("{}: {}", u.file, u.reason)).collect();
-    let strangers = e.strangers.iter().map(|f| format!("{f} belongs to no sample")).collect();
-    list(page, "samples without a prediction", missing);
-    list(page, "predictions that cannot be used", unusable);
-    list(page, "files that belong to no sample", strangers);
+    let missing = e.missing.iter().map(|id| format!("{id} has no prediction")).collect::<Vec<_>>();
+    let unusable = e.unusable.iter().map(|u| format!("{}: {}", u.file, u.reason)).collect::<Vec<_>>();
+    let strangers = e.strangers.iter().map(|f| format!("{f} belongs to no sample")).collect::<Vec<_>>();
+    list(page, "samples without a prediction", &missing);
+    list(page, "predictions that cannot be used", &unusable);
+    list(page, "files that belong to no sample", &strangers);
     for note in &e.notes {
         put(page, format_args!("<p class=\"soft\">Note: {}.</p>\n", escape(note)));
     }
 }
 
-fn list(page: &mut String, title: &str, lines: Vec<String>) {
+fn list(page: &mut String, title: &str, lines: &[String]) {
     if lines.is_empty() {
         return;
     }
     put(page, format_args!("<details class=\"say\"><summary>{} {title}</summary>", lines.len()));
-    lines.iter().for_each(|line| put(page, format_args!("{}<br>", escape(line))));
+    for line in lines {
+        put(page, format_args!("{}<br>", escape(line)));
+    }
     page.push_str("</details>\n");
 }
 
@@ -188,6 +190,8 @@ fn scores(page: &mut String, e: &Evaluation) {
 fn plots(page: &mut String, e: &Evaluation, by: &str, title: &str, breakdown: &Breakdown) {
     put(page, format_args!("<h2>{title}</h2><p class=\"soft\">By {}.</p>\n", escape(breakdown.of)));
     let names: Vec<&str> = breakdown.rows.iter().map(|r| r.name.as_str()).collect();
+    let shown: Vec<String> = breakdown.rows.iter().map(|r| range(by, &r.name, r.from, r.to)).collect();
+    let joined = !matches!(by, "class" | "shadow");
     let series = |of: fn(&Scores) -> Option<f64>| -> Vec<Series> {
         let all = Series { name: "all".to_owned(), values: breakdown.rows.iter().map(|r| of(&r.scores.noc)).collect() };
         let regions = e.regions.iter().filter(|_| e.regions.len() > 1).map(|region| {
@@ -198,24 +202,28 @@ fn plots(page: &mut String, e: &Evaluation, by: &str, title: &str, breakdown: &B
         std::iter::once(all).chain(regions).collect()
     };
     page.push_str("<div class=\"pair\">");
-    chart::draw(page, "EPE of noc, px", &names, &series(|s| s.epe_px));
-    chart::draw(page, "bad 1 of noc, %", &names, &series(|s| s.bad_1.map(|b| b * 100.0)));
+    chart::draw(page, "EPE of noc, px", &shown, &series(|s| s.epe_px), joined);
+    chart::draw(page, "bad 1 of noc, %", &shown, &series(|s| s.bad_1.map(|b| b * 100.0)), joined);
     page.push_str("</div>\n");
     chart::key(page, &series(|s| s.epe_px));
     put(
         page,
         format_args!("<details><summary>Numbers</summary><div class=\"wide\"><table><tr><th>noc</th>{HEADS}</tr>\n"),
     );
-    breakdown.rows.iter().for_each(|r| row(page, &range(by, &r.name, r.from, r.to), &r.scores.noc));
+    for r in &breakdown.rows {
+        row(page, &range(by, &r.name, r.from, r.to), &r.scores.noc);
+    }
     put(page, format_args!("<tr><th>occ</th>{HEADS}</tr>\n"));
-    breakdown.rows.iter().for_each(|r| row(page, &range(by, &r.name, r.from, r.to), &r.scores.occ));
+    for r in &breakdown.rows {
+        row(page, &range(by, &r.name, r.from, r.to), &r.scores.occ);
+    }
     page.push_str("</table></div></details>\n");
 }
 
-/// A row's name; tenths of the pixels do not tell by themselves where they lie.
+/// A row's name; tenths of the pixels are told by where they lie.
 fn range(by: &str, name: &str, from: Option<f64>, to: Option<f64>) -> String {
     match (by, from, to) {
-        ("texture", Some(from), Some(to)) => format!("{name}: {from:.1} to {to:.1}"),
+        ("texture", Some(from), Some(to)) => format!("{from:.1} to {to:.1}"),
         _ => name.to_owned(),
     }
 }

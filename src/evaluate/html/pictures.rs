@@ -71,7 +71,7 @@ pub(super) fn sample(
         e => ERRORS.iter().find(|(to, _)| e <= *to).map_or(UNPREDICTED, |(_, colour)| *colour),
     };
     page.push_str("<div class=\"four\">");
-    let scale = format!("{low:.1} to {high:.1} px");
+    let scale = format!("{:.1} to {high:.1} px", (low * 10.0).round() / 10.0 + 0.0);
     for (name, picture) in [
         ("left image", reduced.picture(|i| [image[3 * i], image[3 * i + 1], image[3 * i + 2]])),
         (&*format!("truth, {scale}"), reduced.picture(|i| disparity(truth[i].into()))),
