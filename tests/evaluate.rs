@@ -6,7 +6,7 @@ use satseed::dataset::{
     Dataset, DiskStore, Layer, View,
     formats::{Pixels, Plane},
 };
-use satseed::evaluate::{Options, evaluate};
+use satseed::evaluate::{Options, Source, evaluate};
 use satseed::pipeline::thread_pool;
 use std::fs;
 use std::path::PathBuf;
@@ -143,7 +143,7 @@ fn constructed_cases() {
     let dataset = Dataset::open(&store).unwrap();
     let [one, three] = [1, 3].map(|jobs| {
         let folder = bench.folder.path().join("off");
-        let run = || evaluate(&dataset, &folder, &Options::default(), &|_| {}).unwrap();
+        let run = || evaluate(Source::Dataset(&dataset), &folder, &Options::default(), &|_| {}).unwrap();
         serde_json::to_string(&thread_pool(jobs).unwrap().install(run)).unwrap()
     });
     assert_eq!(one, three);
@@ -268,4 +268,123 @@ fn the_report_is_one_file() {
     }
     let (code, said) = bench.evaluate("fair", &["--report", "nowhere/report.html"]);
     assert!(code == Some(2) && said.contains("cannot write nowhere/report.html"), "{said}");
+}
+
+/// Other datasets' truth, as they are laid out: the same pair in each, with a hole and a pixel that only the left sees.
+#[test]
+fn foreign_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let (width, height) = (24_u32, 16_u32);
+    let n = (width * height) as usize;
+    let truth = |i: usize| 20.0 + (i % 24) as f32 * 0.5;
+    let (hole, hidden) = (30, 31);
+    let write = |path: &str, bytes: &[u8]| {
+        let path = root.join(path);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    };
+    let grey = |value: &dyn Fn(usize) -> u8| {
+        Plane { width, height, pixels: Pixels::Gray((0..n).map(value).collect()) }.encode().unwrap()
+    };
+    let rgb = Plane { width, height, pixels: Pixels::Rgb((0..3 * n).map(|i| (i * 37 % 256) as u8).collect()) };
+    let image = rgb.encode().unwrap();
+    let tif = |hole_is: f32| {
+        let pixels = (0..n).map(|i| if i == hole { hole_is } else { truth(i) }).collect();
+        Plane { width, height, pixels: Pixels::Float(pixels) }.encode().unwrap()
+    };
+    let pfm = |hole_is: f32| {
+        let mut out = format!("Pf\n{width} {height}\n-1\n").into_bytes();
+        for v in (0..16).rev() {
+            for i in v * 24..v * 24 + 24 {
+                out.extend((if i == hole { hole_is } else { truth(i) }).to_le_bytes());
+            }
+        }
+        out
+    };
+    let png16 = |hidden_too: bool| {
+        let mut out = Vec::new();
+        let mut encoder = png::Encoder::new(&mut out, width, height);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::Sixteen);
+        let coded = |i: usize| if i == hole || hidden_too && i == hidden { 0 } else { (truth(i) * 256.0) as u16 };
+        let values: Vec<u8> = (0..n).flat_map(|i| coded(i).to_be_bytes()).collect();
+        encoder.write_header().unwrap().write_image_data(&values).unwrap();
+        out
+    };
+    let mask = grey(&|i| if i == hole || i == hidden { 128 } else { 255 });
+    let tif_image = {
+        use tiff_writer::{ImageBuilder, TiffWriter, WriteOptions};
+        let mut writer = TiffWriter::new(std::io::Cursor::new(Vec::new()), WriteOptions::default()).unwrap();
+        let handle = writer.add_image(ImageBuilder::new(width, height).sample_type::<u16>().strips(height)).unwrap();
+        let values: Vec<u16> = (0..n).map(|i| (i * 53 % 2048) as u16).collect();
+        writer.write_block(&handle, 0, &values).unwrap();
+        writer.finish().unwrap().into_inner()
+    };
+
+    write("kitti/training/image_2/000003_10.png", &image);
+    write("kitti/training/disp_occ_0/000003_10.png", &png16(false));
+    write("kitti/training/disp_noc_0/000003_10.png", &png16(true));
+    for (scene, truth) in [
+        ("mb/MiddEval3/trainingQ/Vase", "mb/MiddEval3/trainingQ/Vase"),
+        ("eth/two_view_training/a_1", "eth/two_view_training_gt/a_1"),
+    ] {
+        write(&format!("{scene}/im0.png"), &image);
+        write(&format!("{truth}/disp0GT.pfm"), &pfm(f32::INFINITY));
+        write(&format!("{truth}/mask0nocc.png"), &mask);
+    }
+    write("us3d/rgb/X_1_2_3_LEFT_RGB.tif", &tif_image);
+    write("us3d/truth/X_1_2_3_LEFT_DSP.tif", &tif(-999.0));
+    write("whu/test/left/KM_left_7.tiff", &tif_image);
+    write("whu/test/disp/KM_disparity_7.tiff", &tif(-999.0));
+
+    for (layout, folder, id, occluded) in [
+        ("kitti", "kitti", "000003_10", 1),
+        ("middlebury", "mb", "trainingQ/Vase", 1),
+        ("eth3d", "eth", "a_1", 1),
+        ("us3d", "us3d", "X_1_2_3", 0),
+        ("whu", "whu", "test/KM_left_7", 0),
+    ] {
+        let predicted = Pixels::Float((0..n).map(|i| truth(i) + 0.75).collect());
+        write(&format!("{layout}-p/{id}.tif"), &Plane { width, height, pixels: predicted }.encode().unwrap());
+        let output = Command::new(env!("CARGO_BIN_EXE_satseed"))
+            .current_dir(root)
+            .args(["evaluate", folder, "--truth-layout", layout, "--predictions", &format!("{layout}-p")])
+            .args(["--json", "report.json", "--report", "report.html"])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{layout}: {}", text(&output.stderr));
+        let r: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(root.join("report.json")).unwrap()).unwrap();
+        let s = &r["total"]["scores"];
+        assert_eq!(
+            (s["occ"]["pixels"].as_u64(), s["all"]["pixels"].as_u64()),
+            (Some(occluded), Some(n as u64 - 1)),
+            "{layout}"
+        );
+        assert_eq!((s["all"]["epe_px"].as_f64(), s["all"]["bias_px"].as_f64()), (Some(0.75), Some(0.75)), "{layout}");
+        assert_eq!(r["total"]["nothing_hit_pixels"], 1, "{layout}");
+        assert_eq!((&r["each"][0]["id"], &r["regions"][0]["region"]), (&id.into(), &layout.into()));
+        let by: Vec<&String> = r["total"]["by"].as_object().unwrap().keys().collect();
+        assert_eq!(by, ["boundary_distance", "disparity", "texture"], "{layout}");
+        assert_eq!(fs::read_to_string(root.join("report.html")).unwrap().matches("<img").count(), 4);
+
+        // In another layout's folder, and with a truth that is cut short.
+        let told = |folder: &str, layout: &str| {
+            let args = ["evaluate", folder, "--truth-layout", layout, "--predictions", "kitti-p"];
+            let output = Command::new(env!("CARGO_BIN_EXE_satseed")).current_dir(root).args(args).output().unwrap();
+            assert_eq!(output.status.code(), Some(2));
+            text(&output.stderr)
+        };
+        assert!(told("kitti-p", layout).contains(&format!("holds nothing in the layout {layout}")));
+    }
+    write("kitti/training/disp_occ_0/000003_10.png", &png16(false)[..60]);
+    let output = Command::new(env!("CARGO_BIN_EXE_satseed"))
+        .current_dir(root)
+        .args(["evaluate", "kitti", "--truth-layout", "kitti", "--predictions", "kitti-p"])
+        .output()
+        .unwrap();
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said.contains("disp_occ_0/000003_10.png`: it cannot be decoded"), "{said}");
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::doc_markdown)]
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use satseed::evaluate::Limit;
+use satseed::evaluate::{self, Limit};
 use satseed::plan::Shard;
 use satseed::recipe::{Changes, Recipe, RecipeError};
 use std::path::PathBuf;
@@ -221,6 +221,9 @@ pub(crate) struct EvaluateArgs {
     /// Folder of the predictions: `<scene>/<sample>.pfm`, .tif, .npy or .png (16 bits), or with `__` for the slash
     #[arg(long, value_name = "DIR")]
     pub(crate) predictions: PathBuf,
+    /// DIR is another dataset, in the layout in which it is given out
+    #[arg(long, value_enum, value_name = "LAYOUT")]
+    pub(crate) truth_layout: Option<TruthLayout>,
     /// Only samples of this split, such as test
     #[arg(long, value_name = "S")]
     pub(crate) split: Option<String>,
@@ -236,6 +239,33 @@ pub(crate) struct EvaluateArgs {
     /// Exit with 1 where a metric is above a value, such as noc.epe_px=1.5, all.d1=0.05 or boundary.bad_1=0.3
     #[arg(long, value_name = "METRIC=VALUE")]
     pub(crate) fail_above: Vec<Limit>,
+}
+
+/// Layouts of other datasets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TruthLayout {
+    /// Urban Semantic 3D, data fusion contest 2019
+    Us3d,
+    /// WHU-Stereo
+    Whu,
+    /// Middlebury 2014 as in `MiddEval3`
+    Middlebury,
+    /// ETH3D, two views
+    Eth3d,
+    /// KITTI 2015 or 2012
+    Kitti,
+}
+
+impl From<TruthLayout> for evaluate::TruthLayout {
+    fn from(layout: TruthLayout) -> Self {
+        match layout {
+            TruthLayout::Us3d => Self::Us3d,
+            TruthLayout::Whu => Self::Whu,
+            TruthLayout::Middlebury => Self::Middlebury,
+            TruthLayout::Eth3d => Self::Eth3d,
+            TruthLayout::Kitti => Self::Kitti,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -6,7 +6,7 @@ use super::output::write_stdout;
 use anyhow::Context as _;
 use indicatif::{ProgressBar, ProgressStyle};
 use satseed::dataset::{Dataset, DiskStore};
-use satseed::evaluate::{Breakdown, Evaluation, Options, Scores, evaluate, html_report};
+use satseed::evaluate::{Breakdown, Evaluation, Foreign, Options, Scores, Source, evaluate, html_report};
 use satseed::pipeline::thread_pool;
 use std::io::{self, IsTerminal as _, Write};
 
@@ -17,16 +17,24 @@ const ORDER: [&str; 8] =
     ["texture", "disparity", "slope", "height", "class", "shadow", "boundary_distance", "baseline"];
 
 pub(crate) fn run(args: &EvaluateArgs) -> anyhow::Result<Exit> {
-    let store = DiskStore::open(&args.dir)?;
-    let dataset = Dataset::open(&store)?;
+    match args.truth_layout {
+        None => {
+            let store = DiskStore::open(&args.dir)?;
+            run_on(args, Source::Dataset(&Dataset::open(&store)?))
+        }
+        Some(layout) => run_on(args, Source::Foreign(&Foreign::open(&args.dir, layout.into())?)),
+    }
+}
+
+fn run_on(args: &EvaluateArgs, source: Source<'_>) -> anyhow::Result<Exit> {
     let options = Options { split: args.split.clone(), png_scale: args.png_scale };
     let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-    let bar = bar(dataset.records().len());
+    let bar = bar();
     let done = |id: &str| {
         tracing::debug!("evaluated {id}");
         bar.inc(1);
     };
-    let evaluation = thread_pool(jobs)?.install(|| evaluate(&dataset, &args.predictions, &options, &done));
+    let evaluation = thread_pool(jobs)?.install(|| evaluate(source, &args.predictions, &options, &done));
     bar.finish_and_clear();
     let evaluation = evaluation?;
     if let Some(file) = &args.json {
@@ -35,7 +43,7 @@ pub(crate) fn run(args: &EvaluateArgs) -> anyhow::Result<Exit> {
         std::fs::write(file, text).with_context(|| format!("cannot write {}", file.display()))?;
     }
     if let Some(file) = &args.report {
-        let page = html_report(&dataset, &args.predictions, &options, &evaluation)?;
+        let page = html_report(source, &args.predictions, &options, &evaluation)?;
         std::fs::write(file, page).with_context(|| format!("cannot write {}", file.display()))?;
     }
     let exceeded: Vec<String> = args.fail_above.iter().filter_map(|limit| limit.exceeded(&evaluation)).collect();
@@ -46,12 +54,12 @@ pub(crate) fn run(args: &EvaluateArgs) -> anyhow::Result<Exit> {
     Ok(if evaluation.is_complete() && exceeded.is_empty() { Exit::Fine } else { Exit::CheckFailed })
 }
 
-fn bar(samples: usize) -> ProgressBar {
+fn bar() -> ProgressBar {
     if !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{spinner} [{bar:30}] {pos}/{len} samples, {eta} left");
-    ProgressBar::new(samples as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let style = ProgressStyle::with_template("{spinner} {pos} samples, {elapsed}");
+    ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 fn write_text(out: &mut dyn Write, e: &Evaluation) -> io::Result<()> {

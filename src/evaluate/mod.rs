@@ -5,31 +5,36 @@
 
 mod boundary;
 mod breakdown;
+mod foreign;
 mod html;
 mod mistakes;
+mod picture;
 mod prediction;
 mod report;
 mod score;
+mod source;
 mod tally;
 mod texture;
 mod truth;
 
 pub use breakdown::{Breakdown, Row};
+pub use foreign::{Foreign, TruthLayout};
 pub use html::html_report;
 pub use mistakes::{Mistake, MistakeKind};
 pub use report::{BoundaryScores, Evaluation, Group, Limit, RegionGroup, SampleScores, Unusable};
 pub use score::{ByVisibility, Scores};
+pub use source::Source;
 
+use crate::dataset::ReadError;
 use crate::dataset::formats::HeightMap;
-use crate::dataset::{Dataset, ReadError, SampleRecord};
 use breakdown::{By, DisparityBins, Frames};
 use mistakes::{Suspicion, suspicions, together};
 use prediction::{Found, find, strangers};
 use rayon::prelude::*;
+use source::{Item, disparity_bins};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use tally::Tally;
-use truth::Truth;
 
 /// How predictions are to be read and which are asked for.
 #[derive(Clone, Debug)]
@@ -53,6 +58,24 @@ pub enum EvaluateError {
     /// The truth cannot be read.
     #[error(transparent)]
     Truth(#[from] ReadError),
+    /// Foreign truth cannot be read.
+    #[error("`{path}`: {reason}")]
+    ForeignTruth {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// There is no foreign truth.
+    #[error("`{root}` holds nothing in the layout {layout}, which has {expected}")]
+    NoForeignTruth {
+        /// Where it was looked for.
+        root: PathBuf,
+        /// The layout's name.
+        layout: &'static str,
+        /// What it would look like.
+        expected: &'static str,
+    },
     /// The dataset has no such samples.
     #[error("the dataset has no sample of the split `{split}`; it has {there}")]
     NoSplit {
@@ -94,38 +117,38 @@ pub enum EvaluateError {
     },
 }
 
-/// Holds the predictions in a folder against a dataset, on the current rayon pool. `done` is told of each sample.
+/// Holds the predictions in a folder against truth, on the current rayon pool. `done` is told of each sample.
 ///
 /// # Errors
 /// Where the truth cannot be read, or no prediction can be used at all. A single missing or unusable prediction is no error:
 /// it is counted and named.
 pub fn evaluate(
-    dataset: &Dataset<'_>,
+    source: Source<'_>,
     folder: &Path,
     options: &Options,
     done: &(dyn Fn(&str) + Sync),
 ) -> Result<Evaluation, EvaluateError> {
-    let records = asked(dataset, options)?;
+    let items = asked(source, options)?;
     if !folder.is_dir() {
         return Err(EvaluateError::NoFolder(folder.to_owned()));
     }
-    let Files { there, missing, mut unusable, strangers } = look(folder, &records)?;
-    let disparity = disparity_bins(&there);
+    let Files { there, missing, mut unusable, strangers } = look(folder, &items)?;
+    let disparity = disparity_bins(there.iter().map(|(item, _)| *item))?;
     let mut outcome = Outcome::default();
     for scene in there.chunk_by(|a, b| a.0.scene() == b.0.scene()) {
-        let ground = dataset.height_map(scene[0].0, "dtm")?;
+        let ground = scene[0].0.ground()?;
         // As many samples at a time as can be worked on: memory does not grow with the dataset.
         for some in scene.chunks(rayon::current_num_threads().max(1)) {
-            let read = some.par_iter().map(|(record, file)| {
-                let one = Job { dataset, folder, options, ground: &ground, disparity };
-                let result = one.sample(record, file);
-                done(record.id());
+            let read = some.par_iter().map(|(item, file)| {
+                let one = Job { folder, options, ground: ground.as_ref(), disparity };
+                let result = one.sample(*item, file);
+                done(item.id());
                 result
             });
-            for ((record, file), one) in some.iter().zip(read.collect::<Result<Vec<_>, _>>()?) {
+            for ((item, file), one) in some.iter().zip(read.collect::<Result<Vec<_>, _>>()?) {
                 match one {
-                    Ok((tally, suspicions)) => outcome.add(record, file, &tally, &suspicions),
-                    Err(reason) => unusable.push(Unusable { id: record.id().to_owned(), file: shown(file), reason }),
+                    Ok((tally, suspicions)) => outcome.add(*item, file, &tally, &suspicions),
+                    Err(reason) => unusable.push(Unusable { id: item.id().to_owned(), file: shown(file), reason }),
                 }
             }
         }
@@ -142,54 +165,54 @@ pub fn evaluate(
         group: tally.group(&frames),
     };
     Ok(Evaluation {
-        dataset_root_hash: dataset.root_hash().hex(),
+        dataset_root_hash: source.root_hash(),
         split: options.split.clone(),
-        samples: records.len(),
+        samples: items.len(),
         evaluated: outcome.each.len(),
         missing,
         unusable,
         strangers,
         likely_mistakes: together(&outcome.suspicions),
-        notes: notes(&total),
+        notes: notes(&total, source),
         regions: outcome.regions.iter().map(region).collect(),
         total,
         each: outcome.each,
     })
 }
 
-/// The samples that are asked for, in plan order.
-fn asked<'d>(dataset: &'d Dataset<'_>, options: &Options) -> Result<Vec<&'d SampleRecord>, EvaluateError> {
-    let all = dataset.records();
+/// The samples that are asked for, in their order.
+fn asked<'a>(source: Source<'a>, options: &Options) -> Result<Vec<Item<'a>>, EvaluateError> {
+    let all = source.items();
     let Some(split) = &options.split else {
-        return if all.is_empty() { Err(EvaluateError::Empty) } else { Ok(all.iter().collect()) };
+        return if all.is_empty() { Err(EvaluateError::Empty) } else { Ok(all) };
     };
-    let records: Vec<_> = all.iter().filter(|r| r.identity.split == *split).collect();
-    if records.is_empty() {
-        let splits: BTreeSet<&str> = all.iter().map(|r| r.identity.split.as_str()).collect();
+    let items: Vec<_> = all.iter().copied().filter(|item| item.split() == split).collect();
+    if items.is_empty() {
+        let splits: BTreeSet<&str> = all.iter().map(|item| item.split()).collect();
         let there = splits.into_iter().collect::<Vec<_>>().join(", ");
         return Err(EvaluateError::NoSplit { split: split.clone(), there });
     }
-    Ok(records)
+    Ok(items)
 }
 
 /// What lies in the folder of predictions.
-struct Files<'r> {
-    there: Vec<(&'r SampleRecord, PathBuf)>,
+struct Files<'a> {
+    there: Vec<(Item<'a>, PathBuf)>,
     missing: Vec<String>,
     unusable: Vec<Unusable>,
     strangers: Vec<String>,
 }
 
-fn look<'r>(folder: &Path, records: &[&'r SampleRecord]) -> Result<Files<'r>, EvaluateError> {
+fn look<'a>(folder: &Path, items: &[Item<'a>]) -> Result<Files<'a>, EvaluateError> {
     let mut files = Files { there: Vec::new(), missing: Vec::new(), unusable: Vec::new(), strangers: Vec::new() };
     let mut known = BTreeSet::new();
-    for record in records {
-        let id = record.id().to_owned();
+    for item in items {
+        let id = item.id().to_owned();
         match find(folder, &id) {
             Found::Missing => files.missing.push(id),
             Found::At(path) => {
                 known.insert(path.clone());
-                files.there.push((record, path));
+                files.there.push((*item, path));
             }
             Found::Several(paths) => {
                 let names: Vec<_> = paths.iter().map(|p| shown(p)).collect();
@@ -208,8 +231,8 @@ fn look<'r>(folder: &Path, records: &[&'r SampleRecord]) -> Result<Files<'r>, Ev
         let found = files.strangers.first().map(|f| format!("; it holds `{f}` instead")).unwrap_or_default();
         return Err(EvaluateError::NoPrediction {
             folder: folder.to_owned(),
-            samples: records.len(),
-            example: records[0].id().to_owned(),
+            samples: items.len(),
+            example: items[0].id().to_owned(),
             found,
         });
     }
@@ -221,32 +244,25 @@ fn shown(path: &Path) -> String {
     path.to_string_lossy().escape_debug().to_string()
 }
 
-fn disparity_bins(there: &[(&SampleRecord, PathBuf)]) -> DisparityBins {
-    let low = there.iter().filter_map(|(r, _)| r.disparity_min_px).fold(f32::INFINITY, f32::min);
-    let high = there.iter().filter_map(|(r, _)| r.disparity_max_px).fold(f32::NEG_INFINITY, f32::max);
-    if low <= high { DisparityBins::new(low.into(), high.into()) } else { DisparityBins::new(0.0, 0.0) }
-}
-
 /// What a sample's evaluation needs.
 struct Job<'a> {
-    dataset: &'a Dataset<'a>,
     folder: &'a Path,
     options: &'a Options,
-    ground: &'a HeightMap,
+    ground: Option<&'a HeightMap>,
     disparity: DisparityBins,
 }
 
 impl Job<'_> {
     /// The sums of a sample; the inner error is what is wrong with its prediction.
-    fn sample(&self, record: &SampleRecord, file: &Path) -> Result<Result<(Tally, Vec<Suspicion>), String>, ReadError> {
-        let truth = Truth::read(self.dataset, record, self.ground, self.disparity)?;
+    fn sample(&self, item: Item<'_>, file: &Path) -> Result<Result<(Tally, Vec<Suspicion>), String>, EvaluateError> {
+        let truth = item.truth(self.ground, self.disparity)?;
         Ok(match prediction::read(&self.folder.join(file), truth.size, self.options.png_scale) {
             Err(e) => Err(e.to_string()),
             Ok(predicted) if !predicted.iter().any(|p| p.is_finite()) => {
                 Err("it holds no finite number: nothing is predicted".to_owned())
             }
             Ok(predicted) => {
-                let tally = Tally::of(&truth, &predicted, record.identity.baseline_m);
+                let tally = Tally::of(&truth, &predicted, item.baseline_m());
                 Ok((tally, suspicions(&truth, &predicted)))
             }
         })
@@ -268,13 +284,12 @@ impl Default for Outcome {
 }
 
 impl Outcome {
-    fn add(&mut self, record: &SampleRecord, file: &Path, tally: &Tally, suspicions: &[Suspicion]) {
-        let key = (record.identity.region.clone(), record.identity.variant.clone());
+    fn add(&mut self, item: Item<'_>, file: &Path, tally: &Tally, suspicions: &[Suspicion]) {
         self.total.merge(tally);
-        self.regions.entry(key).or_insert_with(Tally::new).merge(tally);
+        self.regions.entry(item.region()).or_insert_with(Tally::new).merge(tally);
         self.suspicions.extend(suspicions);
         self.each.push(SampleScores {
-            id: record.id().to_owned(),
+            id: item.id().to_owned(),
             file: shown(file),
             scores: tally.total.scores(),
             likely_mistakes: suspicions.iter().map(|s| s.kind).collect(),
@@ -283,7 +298,16 @@ impl Outcome {
 }
 
 /// Break-downs that there cannot be, and why.
-fn notes(total: &Group) -> Vec<String> {
+fn notes(total: &Group, source: Source<'_>) -> Vec<String> {
+    if let Source::Foreign(foreign) = source {
+        let layout = foreign.layout().name();
+        let mut notes =
+            vec![format!("not broken down by slope, height, class, shadow and baseline: {layout} does not tell them")];
+        if !foreign.knows_occlusion() {
+            notes.push(format!("{layout} does not tell occluded pixels: all pixels with truth count as noc"));
+        }
+        return notes;
+    }
     let labels: Vec<(&str, &str)> = By::ALL
         .iter()
         .filter(|by| !total.by.contains_key(by.name()))

@@ -11,8 +11,8 @@ use std::str::FromStr;
 /// Predictions held against a dataset.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
-    /// Hash of the dataset's manifest.
-    pub dataset_root_hash: String,
+    /// Hash of the dataset's manifest; none where the truth is foreign.
+    pub dataset_root_hash: Option<String>,
     /// The split that was asked for; all where none was.
     pub split: Option<String>,
     /// Samples that were asked for.

@@ -69,7 +69,7 @@ impl Tally {
     }
 
     /// The sums of one sample, pixel by pixel in the order of rows.
-    pub(super) fn of(truth: &Truth, predicted: &[f64], baseline_m: f64) -> Self {
+    pub(super) fn of(truth: &Truth, predicted: &[f64], baseline_m: Option<f64>) -> Self {
         let mut tally = Self::new();
         tally.samples = 1;
         for (i, predicted_px) in predicted.iter().enumerate() {
@@ -98,7 +98,7 @@ impl Tally {
                 }
             }
         }
-        tally.baselines.insert((baseline_m * 1000.0).round() as i64, tally.total);
+        tally.baselines.extend(baseline_m.map(|m| ((m * 1000.0).round() as i64, tally.total)));
         let both = tally.total;
         for (mean, sums) in
             [(&mut tally.images.noc, both.noc), (&mut tally.images.occ, both.occ), (&mut tally.images.all, both.all())]

@@ -30,7 +30,7 @@ impl Truth {
     pub(super) fn read(
         dataset: &Dataset<'_>,
         record: &SampleRecord,
-        ground: &HeightMap,
+        ground: Option<&HeightMap>,
         disparity_bins: DisparityBins,
     ) -> Result<Self, ReadError> {
         let camera = dataset.camera(record)?;
@@ -49,7 +49,10 @@ impl Truth {
             Ok::<_, ReadError>(Some(match by {
                 By::Texture => contrast_steps(&bytes(plane(Layer::Image)?), width),
                 By::Disparity => disparity_px.iter().map(|d| disparity_bins.bin(*d)).collect(),
-                By::Height => heights_above_ground(&disparity_px, &camera, ground),
+                By::Height => {
+                    let Some(ground) = ground else { return Ok(None) };
+                    heights_above_ground(&disparity_px, &camera, ground)
+                }
                 By::Boundary => jump_distances.iter().map(|d| boundary_bin(*d)).collect(),
                 By::Slope => {
                     let Some(Pixels::Vector(normals)) = label(Layer::Normal)? else { return Ok(None) };
@@ -81,12 +84,13 @@ impl Truth {
     }
 }
 
-/// The reader gives the kind of values that the layer has; another kind is its error, not an empty array.
-fn floats(pixels: Pixels) -> Vec<f32> {
+/// The values of a layer of floats. The reader gives the kind of values that the layer has; another kind is its error, not an empty array.
+pub(super) fn floats(pixels: Pixels) -> Vec<f32> {
     if let Pixels::Float(values) = pixels { values } else { Vec::new() }
 }
 
-fn bytes(pixels: Pixels) -> Vec<u8> {
+/// The values of a layer of bytes.
+pub(super) fn bytes(pixels: Pixels) -> Vec<u8> {
     if let Pixels::Gray(values) | Pixels::Rgb(values) = pixels { values } else { Vec::new() }
 }
 

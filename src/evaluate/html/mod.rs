@@ -7,8 +7,8 @@ mod pictures;
 use super::breakdown::Breakdown;
 use super::report::Evaluation;
 use super::score::Scores;
+use super::source::Source;
 use super::{EvaluateError, Options};
-use crate::dataset::Dataset;
 use chart::Series;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -51,7 +51,7 @@ details{margin:.4rem 0}summary{cursor:pointer;color:var(--soft)}
 /// # Errors
 /// Where the labels of one of them cannot be read any more.
 pub fn html_report(
-    dataset: &Dataset<'_>,
+    source: Source<'_>,
     predictions: &Path,
     options: &Options,
     evaluation: &Evaluation,
@@ -68,7 +68,7 @@ pub fn html_report(
             plots(&mut page, e, by, title, breakdown);
         }
     }
-    worst(&mut page, dataset, predictions, options, e)?;
+    worst(&mut page, source, predictions, options, e)?;
     page.push_str("</body></html>\n");
     Ok(page)
 }
@@ -97,7 +97,9 @@ fn escape(text: &str) -> String {
 fn head(page: &mut String, e: &Evaluation) {
     let split = e.split.as_ref().map(|s| format!(" of split {}", escape(s))).unwrap_or_default();
     put(page, format_args!("<h1>{} of {} samples{split} evaluated</h1>\n", e.evaluated, e.samples));
-    put(page, format_args!("<p class=\"soft\">Dataset {}</p>\n", escape(&e.dataset_root_hash)));
+    if let Some(hash) = &e.dataset_root_hash {
+        put(page, format_args!("<p class=\"soft\">Dataset {}</p>\n", escape(hash)));
+    }
     for m in &e.likely_mistakes {
         let told = escape(&m.told);
         put(
@@ -230,7 +232,7 @@ fn range(by: &str, name: &str, from: Option<f64>, to: Option<f64>) -> String {
 
 fn worst(
     page: &mut String,
-    dataset: &Dataset<'_>,
+    source: Source<'_>,
     predictions: &Path,
     options: &Options,
     e: &Evaluation,
@@ -256,7 +258,9 @@ fn worst(
                 percent(s.bad_3)
             ),
         );
-        pictures::sample(page, dataset, predictions, options, sample)?;
+        if let Some(item) = source.items().into_iter().find(|item| item.id() == sample.id) {
+            pictures::sample(page, item, predictions, options, sample)?;
+        }
     }
     Ok(())
 }

@@ -2,10 +2,11 @@
 
 use super::super::prediction::{self, Size};
 use super::super::report::SampleScores;
+use super::super::source::{Item, Maps};
 use super::super::{EvaluateError, Options};
 use super::put;
 use crate::dataset::formats::{Pixels, Plane};
-use crate::dataset::{Dataset, Layer, View, validity};
+use crate::dataset::validity;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::path::Path;
@@ -43,20 +44,12 @@ pub(super) fn key(page: &mut String) {
 /// Puts a sample's pictures on the page. Disparities of truth and prediction have one scale.
 pub(super) fn sample(
     page: &mut String,
-    dataset: &Dataset<'_>,
+    item: Item<'_>,
     predictions: &Path,
     options: &Options,
     scores: &SampleScores,
 ) -> Result<(), EvaluateError> {
-    let record = dataset.record(&scores.id)?;
-    let camera = dataset.camera(record)?;
-    let plane = |layer| Ok::<_, EvaluateError>(dataset.plane(record, &camera, layer, View::Left)?.pixels);
-    let (Pixels::Rgb(image), Pixels::Float(truth), Pixels::Gray(seen)) =
-        (plane(Layer::Image)?, plane(Layer::Disparity)?, plane(Layer::Validity)?)
-    else {
-        return Ok(());
-    };
-    let size = Size { width: camera.left.width_px, height: camera.left.height_px };
+    let Maps { size, rgb: image, disparity_px: truth, validity: seen } = item.maps()?;
     // The file was read a moment ago; if it has gone since, its pictures are empty, and that is all.
     let predicted = prediction::read(&predictions.join(&scores.file), size, options.png_scale)
         .unwrap_or_else(|_| vec![f64::NAN; truth.len()]);

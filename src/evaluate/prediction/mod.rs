@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 /// Extensions that predictions have, in the order in which they are looked for.
 const EXTENSIONS: [&str; 5] = ["pfm", "tif", "tiff", "npy", "png"];
 
+/// Longest side of a frame, px.
+pub(super) const MAX_SIDE_PX: u32 = 16384;
 /// Most bytes a pixel takes in any file that is read: no codec in use makes more of eight bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 16;
 /// Bytes for headers and metadata beyond the pixels.
@@ -28,12 +30,13 @@ const HEADER_ROOM: u64 = 1 << 22;
 pub(super) struct PredictionError(String);
 
 impl PredictionError {
-    fn new(reason: impl Into<String>) -> Self {
+    /// With this reason.
+    pub(super) fn new(reason: impl Into<String>) -> Self {
         Self(reason.into())
     }
 
     /// What a decoder says, which may quote the file: one line of it, not too long.
-    fn decoding(reason: &impl std::fmt::Display) -> Self {
+    pub(super) fn decoding(reason: &impl std::fmt::Display) -> Self {
         let reason: String = reason.to_string().chars().take(160).flat_map(char::escape_debug).collect();
         Self(format!("it cannot be decoded: {reason}"))
     }
@@ -49,7 +52,8 @@ pub(super) struct Size {
 }
 
 impl Size {
-    fn pixels(self) -> usize {
+    /// How many pixels there are.
+    pub(super) fn pixels(self) -> usize {
         self.width as usize * self.height as usize
     }
 
@@ -93,7 +97,7 @@ pub(super) fn find(folder: &Path, id: &str) -> Found {
     for stem in [id.to_owned(), id.replace('/', "__")] {
         for extension in EXTENSIONS {
             let path = PathBuf::from(format!("{stem}.{extension}"));
-            if folder.join(&path).exists() {
+            if folder.join(&path).exists() && !found.contains(&path) {
                 found.push(path);
             }
         }
@@ -140,7 +144,7 @@ pub(super) fn strangers(folder: &Path, known: &BTreeSet<PathBuf>) -> Vec<PathBuf
 /// # Errors
 /// What is wrong with the file.
 pub(super) fn read(path: &Path, size: Size, png_scale: f64) -> Result<Vec<f64>, PredictionError> {
-    let bytes = content(path, size)?;
+    let bytes = content_at_most(path, HEADER_ROOM + MAX_BYTES_PER_PIXEL * size.pixels() as u64)?;
     match path.extension().and_then(|e| e.to_str()) {
         Some("pfm") => pfm::decode(&bytes, size),
         Some("npy") => npy::decode(&bytes, size),
@@ -149,20 +153,17 @@ pub(super) fn read(path: &Path, size: Size, png_scale: f64) -> Result<Vec<f64>, 
     }
 }
 
-fn content(path: &Path, size: Size) -> Result<Vec<u8>, PredictionError> {
+/// The content of a file that is one, and no larger than it may be.
+pub(super) fn content_at_most(path: &Path, most: u64) -> Result<Vec<u8>, PredictionError> {
     let failed = |e: std::io::Error| PredictionError::new(format!("it cannot be read: {e}"));
     // Asked before opening: to open a named pipe would wait for its writer.
     if !fs::metadata(path).map_err(failed)?.is_file() {
         return Err(PredictionError::new("it is no file"));
     }
-    let most = HEADER_ROOM + MAX_BYTES_PER_PIXEL * size.pixels() as u64;
     let mut bytes = Vec::new();
     File::open(path).map_err(failed)?.take(most + 1).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > most {
-        return Err(PredictionError::new(format!(
-            "it is larger than any map of {} x {} pixels can be",
-            size.width, size.height
-        )));
+        return Err(PredictionError::new("it is larger than any map of its size can be"));
     }
     Ok(bytes)
 }
