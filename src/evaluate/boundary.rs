@@ -23,7 +23,7 @@ pub(super) fn jumps(truth_px: &[f32], width: usize) -> Vec<bool> {
 /// Exact, in two passes: along columns, then the lower envelope of parabolas along rows (Felzenszwalb and Huttenlocher,
 /// Distance Transforms of Sampled Functions, 2012), with the whole-number comparisons of Meijster et al. (2000).
 pub(super) fn squared_distances(marks: &[bool], width: usize) -> Vec<u32> {
-    const FAR: i64 = i64::MAX;
+    const FAR: u32 = u32::MAX;
     let height = marks.len() / width;
     // Distance along the column.
     let mut along = vec![FAR; marks.len()];
@@ -45,7 +45,7 @@ pub(super) fn squared_distances(marks: &[bool], width: usize) -> Vec<u32> {
     for (row, out) in along.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
         at.clear();
         from.clear();
-        let height_of = |q: i64| row[q as usize] * row[q as usize];
+        let height_of = |q: i64| i64::from(row[q as usize]) * i64::from(row[q as usize]);
         let value = |q: i64, u: i64| (u - q) * (u - q) + height_of(q);
         for q in (0..width as i64).filter(|q| row[*q as usize] != FAR) {
             while let (Some(p), Some(begin)) = (at.last(), from.last()) {
