@@ -53,6 +53,8 @@ def samples():
             "left": cv2.imread(str(folder / "left.png")),
             "class": cv2.imread(str(folder / "class_left.png"), cv2.IMREAD_UNCHANGED),
             "elevation": tifffile.imread(folder / "elevation_left.tif").astype(np.float64),
+            "normal": tifffile.imread(folder / "normal_left.tif").astype(np.float64),
+            "shadow": cv2.imread(str(folder / "shadow_left.png"), cv2.IMREAD_UNCHANGED),
             "camera": json.loads((folder / "camera.json").read_text()),
             "ground": folder.parent / "dtm.tif",
         }
@@ -204,7 +206,7 @@ def against_numpy():
     predictions, everything = reference()
     told, _ = evaluate(predictions)
     check(told["evaluated"] == len(everything) and not told["missing"] and not told["strangers"], "all are evaluated")
-    keys = ("disparity", "validity", "class")
+    keys = ("disparity", "validity", "class", "shadow")
     maps = {k: np.concatenate([m[k].ravel() for _, m, _ in everything]) for k in keys}
     d, visibility = maps["disparity"], maps["validity"]
     predicted = [np.where(np.isfinite(p), p, np.nan).astype(np.float64) for _, _, p in everything]
@@ -247,6 +249,12 @@ def against_numpy():
     bin_ = np.minimum(((d - low) / ((high - low) / 16)).astype(int), 15)
     groups(by["disparity"]["rows"], [bin_ == b for b in range(16)], "disparity")
     groups(by["class"]["rows"], [maps["class"] == c for c in range(15)], "class")
+    shadow = maps["shadow"]
+    groups(by["shadow"]["rows"], [shadow == 0, (shadow > 0) & (shadow < 255), shadow == 255], "shadow")
+    normal = np.concatenate([m["normal"].reshape(-1, 3) for _, m, _ in everything])
+    slope = np.degrees(np.arccos(normal[:, 2] / np.sqrt((normal**2).sum(axis=1))))
+    ends = [0, 5, 15, 30, 45, 60, 75, 181]
+    groups(by["slope"]["rows"], [(slope >= a) & (slope < b) for a, b in zip(ends, ends[1:])], "slope")
     lengths = sorted(set(baseline))
     groups(by["baseline"]["rows"], [baseline == b for b in lengths], "baseline")
 
