@@ -11,10 +11,12 @@
 //!   -> view       image and labels of one camera
 //!   -> sample     two views and cameras of one pair
 //!   -> dataset    files, manifest, verify, resume
+//!   -> evaluate   predictions against labels: scores, break-downs, likely mistakes
 //! ```
 
 pub mod camera;
 pub mod dataset;
+pub mod evaluate;
 pub mod labels;
 pub mod pipeline;
 pub mod plan;

@@ -17,7 +17,7 @@ struct Room {
 const SCENE: &str = "satseed_scene";
 const TRACER: &str = "satseed_tracer";
 const GENERATORS: &str = "satseed_generators";
-const ALL: &[&str] = &["camera", "cli", "dataset", "labels", "pipeline", "plan", "recipe", "render"];
+const ALL: &[&str] = &["camera", "cli", "dataset", "evaluate", "labels", "pipeline", "plan", "recipe", "render"];
 
 /// The table of docs/architecture.md. The scene is the vocabulary that everyone speaks.
 const ROOMS: &[Room] = &[
@@ -30,6 +30,7 @@ const ROOMS: &[Room] = &[
     Room { name: "recipe", rooms: &["camera", "render"], crates: &[SCENE, GENERATORS] },
     Room { name: "plan", rooms: &["recipe"], crates: &[SCENE] },
     Room { name: "dataset", rooms: &["plan"], crates: &[SCENE] },
+    Room { name: "evaluate", rooms: &["dataset"], crates: &[] },
     Room {
         name: "pipeline",
         rooms: &["camera", "dataset", "labels", "plan", "recipe", "render"],
@@ -48,9 +49,11 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("spade", &["generators"]),
     ("schemars", &["generators", "recipe", "cli"]),
     ("toml", &["recipe"]),
-    ("tiff", &["dataset"]),
+    ("tiff", &["dataset", "evaluate"]),
     ("tiff_writer", &["dataset"]),
     ("tiff_core", &["dataset"]),
+    ("base64", &["evaluate"]),
+    ("half", &["evaluate"]),
     ("rustix", &["dataset"]),
     ("anyhow", &["cli", "main"]),
     ("clap", &["cli", "main"]),

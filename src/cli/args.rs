@@ -3,6 +3,7 @@
 #![allow(clippy::doc_markdown)]
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use satseed::evaluate::{self, Limit};
 use satseed::plan::Shard;
 use satseed::recipe::{Changes, Recipe, RecipeError};
 use std::path::PathBuf;
@@ -35,6 +36,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Tell what one pixel saw: hit, object, projection, occluder
     Explain(ExplainArgs),
+    /// Hold predicted disparities against a dataset's labels
+    Evaluate(EvaluateArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
 }
@@ -212,6 +215,60 @@ pub(crate) struct ExplainArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct EvaluateArgs {
+    /// Folder of the dataset
+    pub(crate) dir: PathBuf,
+    /// Folder of the predictions: `<scene>/<sample>.pfm`, .tif, .npy or .png (16 bits), or with `__` for the slash
+    #[arg(long, value_name = "DIR")]
+    pub(crate) predictions: PathBuf,
+    /// DIR is another dataset, in the layout in which it is given out
+    #[arg(long, value_enum, value_name = "LAYOUT")]
+    pub(crate) truth_layout: Option<TruthLayout>,
+    /// Only samples of this split, such as test
+    #[arg(long, value_name = "S")]
+    pub(crate) split: Option<String>,
+    /// What the numbers of a 16-bit PNG are divided by
+    #[arg(long, value_name = "N", default_value_t = 256.0, value_parser = scale)]
+    pub(crate) png_scale: f64,
+    /// Write everything that is measured as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write a report with plots and the worst samples, one file that needs no network
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
+    /// Exit with 1 where a metric is above a value, such as noc.epe_px=1.5, all.d1=0.05 or boundary.bad_1=0.3
+    #[arg(long, value_name = "METRIC=VALUE")]
+    pub(crate) fail_above: Vec<Limit>,
+}
+
+/// Layouts of other datasets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TruthLayout {
+    /// Urban Semantic 3D, data fusion contest 2019
+    Us3d,
+    /// WHU-Stereo
+    Whu,
+    /// Middlebury 2014 as in `MiddEval3`
+    Middlebury,
+    /// ETH3D, two views
+    Eth3d,
+    /// KITTI 2015 or 2012
+    Kitti,
+}
+
+impl From<TruthLayout> for evaluate::TruthLayout {
+    fn from(layout: TruthLayout) -> Self {
+        match layout {
+            TruthLayout::Us3d => Self::Us3d,
+            TruthLayout::Whu => Self::Whu,
+            TruthLayout::Middlebury => Self::Middlebury,
+            TruthLayout::Eth3d => Self::Eth3d,
+            TruthLayout::Kitti => Self::Kitti,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
     /// The shell
     pub(crate) shell: clap_complete::Shell,
@@ -235,6 +292,12 @@ fn bytes(text: &str) -> Result<u64, String> {
     };
     let bytes = number.parse::<u64>().ok().and_then(|n| n.checked_mul(factor)).filter(|n| *n > 0);
     bytes.ok_or_else(|| "a size is a number of bytes such as 8000000000, 8GB or 8GiB".to_owned())
+}
+
+/// A positive number.
+fn scale(text: &str) -> Result<f64, String> {
+    let scale = text.parse::<f64>().ok().filter(|s| s.is_finite() && *s > 0.0);
+    scale.ok_or_else(|| "a scale is a positive number such as 256".to_owned())
 }
 
 /// `812,40`
@@ -264,6 +327,10 @@ mod tests {
         assert_eq!(bytes("2g"), Ok(2 << 30));
         for bad in ["", "0", "-1", "GB", "2 GB", "2X", "99999999999999999999", "20000000T"] {
             assert!(bytes(bad).is_err(), "{bad}");
+        }
+        assert_eq!(scale("32"), Ok(32.0));
+        for bad in ["", "0", "-1", "nan", "inf", "x"] {
+            assert!(scale(bad).is_err(), "{bad}");
         }
         assert_eq!(pixel("812,40"), Ok([812, 40]));
         for bad in ["", "1", "1,", "1,2,3", "-1,2", "1.5,2"] {

@@ -4,6 +4,7 @@
 
 mod args;
 mod completions;
+mod evaluate;
 mod explain;
 mod generate;
 mod info;
@@ -58,6 +59,7 @@ fn run(command: &Command) -> anyhow::Result<Exit> {
         Command::Verify(args) => verify::run(args),
         Command::Info(args) => info::run(args),
         Command::Explain(args) => explain::run(args),
+        Command::Evaluate(args) => evaluate::run(args),
         Command::Completions(args) => completions::run(args),
     }
 }
