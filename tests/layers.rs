@@ -51,7 +51,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("tiff", &["dataset"]),
     ("tiff_writer", &["dataset"]),
     ("tiff_core", &["dataset"]),
-    ("rustix", &["dataset"]),
+    ("rustix", &["dataset", "pipeline"]),
     ("anyhow", &["cli", "main"]),
     ("clap", &["cli", "main"]),
     ("clap_complete", &["cli", "main"]),

@@ -35,7 +35,7 @@ fn run(
     let recipe = recipe();
     let plan = Plan::new(&recipe).unwrap();
     let shard: Shard = shard.parse().unwrap();
-    generate(&recipe, &plan, store, Options { jobs, shard, stop }, report)
+    generate(&recipe, &plan, store, Options { jobs, shard, stop, profile: None }, report)
 }
 
 fn whole(jobs: usize) -> BTreeMap<String, Vec<u8>> {

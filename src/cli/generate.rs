@@ -4,6 +4,7 @@ use super::Exit;
 use super::args::GenerateArgs;
 use super::output::{bytes_text, write_stdout};
 use super::plan::write_summary;
+use super::profile::ProfileFile;
 use super::progress::Progress;
 use anyhow::Context as _;
 use satseed::dataset::{DiskStore, FolderLock};
@@ -41,12 +42,22 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
 
     let store = DiskStore::create(&args.out)?;
     let _lock = FolderLock::take(&args.out)?;
+    let profile = args.profile.as_deref().map(|file| ProfileFile::begin(file, &args.out)).transpose()?;
     let stop = stop_on_signals().context("cannot listen for signals")?;
     let progress = Progress::new(&cost);
-    let options = Options { jobs, shard: args.shard.unwrap_or(Shard::WHOLE), stop: &stop };
+    let options = Options {
+        jobs,
+        shard: args.shard.unwrap_or(Shard::WHOLE),
+        stop: &stop,
+        profile: profile.as_ref().map(|p| &p.profile),
+    };
     let outcome = generate(&recipe, &plan, &store, options, &|event| progress.report(event));
     progress.end();
-    match outcome? {
+    let outcome = outcome?;
+    if let Some(profile) = profile {
+        profile.end(&plan.hash, jobs, cost.memory_bytes)?;
+    }
+    match outcome {
         Outcome::Complete(root_hash) => {
             write_stdout(|out| writeln!(out, "{}", root_hash.hex()))?;
             Ok(Exit::Fine)
