@@ -63,12 +63,11 @@ impl ProfileFile {
 fn write_table(out: &mut dyn Write, report: &ProfileReport, memory_bound_bytes: u64) -> io::Result<()> {
     writeln!(
         out,
-        "{:<15} {:>6} {:>10} {:>10} {:>6} {:>8} {:>10} {:>13}",
-        "stage", "runs", "wall s", "CPU s", "share", "threads", "M rays", "M rays/CPU s"
+        "{:<15} {:>6} {:>10} {:>10} {:>6} {:>10} {:>10} {:>13}",
+        "stage", "runs", "wall s", "CPU s", "share", "serial s", "M rays", "M rays/CPU s"
     )?;
-    let mut line = |name: &str, runs: &str, wall_s: Option<f64>, cpu_s: f64, rays: u64| {
-        let wall = wall_s.map_or_else(String::new, |s| format!("{s:.2}"));
-        let threads = wall_s.filter(|s| *s > 0.0).map_or_else(String::new, |s| format!("{:.2}", cpu_s / s));
+    let seconds = |s: f64| format!("{s:.2}");
+    let mut line = |name: &str, [runs, wall, serial]: [String; 3], cpu_s: f64, rays: u64| {
         let share = 100.0 * cpu_s / report.cpu_s.max(1e-9);
         let millions = rays as f64 / 1e6;
         let (traced, speed) = match rays {
@@ -77,14 +76,18 @@ fn write_table(out: &mut dyn Write, report: &ProfileReport, memory_bound_bytes: 
         };
         writeln!(
             out,
-            "{name:<15} {runs:>6} {wall:>10} {cpu_s:>10.2} {share:>5.1}% {threads:>8} {traced:>10} {speed:>13}"
+            "{name:<15} {runs:>6} {wall:>10} {cpu_s:>10.2} {share:>5.1}% {serial:>10} {traced:>10} {speed:>13}"
         )
     };
     for s in &report.stages {
-        line(s.stage.words(), &s.runs.to_string(), Some(s.wall_s), s.cpu_s, s.rays)?;
+        let texts = [s.runs.to_string(), seconds(s.wall_s), seconds(s.serial_cpu_s)];
+        line(s.stage.words(), texts, s.cpu_s, s.rays)?;
     }
-    line("other", "", None, report.other_cpu_s, 0)?;
-    line("whole", "", Some(report.wall_s), report.cpu_s, report.rays)?;
+    line("other", [String::new(), String::new(), seconds(report.other_cpu_s)], report.other_cpu_s, 0)?;
+    let serial_s = report.stages.iter().map(|s| s.serial_cpu_s).sum::<f64>() + report.other_cpu_s;
+    line("whole", [String::new(), seconds(report.wall_s), seconds(serial_s)], report.cpu_s, report.rays)?;
+    let busy = 100.0 * report.cpu_s / (report.wall_s * report.jobs as f64).max(1e-9);
+    writeln!(out, "{} threads, busy {busy:.0}% of the time", report.jobs)?;
     if let Some(peak) = report.memory_peak_bytes {
         writeln!(out, "memory peak {} of at most {}", bytes_text(peak), bytes_text(memory_bound_bytes))?;
     }

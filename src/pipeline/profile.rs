@@ -4,6 +4,11 @@
 //! pool gained between its beginning and its end. A pool does one stage at a time (see `schedule`), so whichever thread
 //! took whichever part of the work, nested or stolen, it counts for the stage that it was done for; and what another
 //! pool does meanwhile has clocks of its own.
+//!
+//! How much of it was serial is told by the thread that worked most: with a serial part S of the time C on N threads it
+//! has S + (C - S) / N of it, if the others share what is left. Where they do not, since the machine gave them less or the
+//! parts are few, S comes out larger: it is what more threads would not have made shorter, and an upper bound of what is
+//! written one after the other. Other processes make C no longer, as they do the time on the wall.
 
 use rustix::time::{ClockId, Timespec, clock_gettime};
 use satseed_tracer::Tracer;
@@ -71,6 +76,7 @@ struct Tally {
     runs: u64,
     wall: Duration,
     cpu: Duration,
+    serial: Duration,
     rays: u64,
 }
 
@@ -93,6 +99,8 @@ pub struct StageReport {
     pub wall_s: f64,
     /// Processor time of all threads, s.
     pub cpu_s: f64,
+    /// Part of it that only one thread could do, s: at most, see the module. All of it where there is one thread.
+    pub serial_cpu_s: f64,
     /// Rays traced, of every kind; each sample of light is one.
     pub rays: u64,
 }
@@ -135,6 +143,7 @@ impl Profile {
             runs: t.runs,
             wall_s: t.wall.as_secs_f64(),
             cpu_s: t.cpu.as_secs_f64(),
+            serial_cpu_s: t.serial.as_secs_f64(),
             rays: t.rays,
         };
         ProfileReport {
@@ -149,11 +158,16 @@ impl Profile {
         }
     }
 
-    fn add(&self, stage: Stage, wall: Duration, cpu: Duration, rays: u64) {
+    /// Adds a run: its length, the time of each thread, and its rays.
+    fn add(&self, stage: Stage, wall: Duration, threads: &[Duration], rays: u64) {
+        let (cpu, most) = (threads.iter().sum(), threads.iter().max().copied().unwrap_or_default());
+        let others = threads.len().saturating_sub(1) as u32;
+        let serial = (most * threads.len() as u32).saturating_sub(cpu).checked_div(others).unwrap_or(cpu);
         let tally = &mut self.stages.lock().unwrap_or_else(PoisonError::into_inner)[stage as usize];
         tally.runs += 1;
         tally.wall += wall;
         tally.cpu += cpu;
+        tally.serial += serial;
         tally.rays += rays;
     }
 }
@@ -175,19 +189,20 @@ impl Meter {
 
     fn count<R>(&self, stage: Stage, rays: impl Fn() -> u64, work: impl FnOnce() -> R) -> R {
         let Some(profile) = &self.0 else { return work() };
-        let (begun, cpu, traced) = (Instant::now(), pool_time(), rays());
+        let (begun, before, traced) = (Instant::now(), pool_times(), rays());
         let result = work();
-        profile.add(stage, begun.elapsed(), pool_time().saturating_sub(cpu), rays() - traced);
+        let wall = begun.elapsed();
+        let threads: Vec<_> = pool_times().into_iter().zip(before).map(|(after, before)| after - before).collect();
+        profile.add(stage, wall, &threads, rays() - traced);
         result
     }
 }
 
-/// The processor time of all threads of the current pool, or of this thread where it is in none. Each thread reads its own
-/// clock.
-fn pool_time() -> Duration {
+/// The processor time of each thread of the current pool, or of this thread where it is in none. Each reads its own clock.
+fn pool_times() -> Vec<Duration> {
     match rayon::current_thread_index() {
-        Some(_) => rayon::broadcast(|_| cpu_time(ClockId::ThreadCPUTime)).into_iter().sum(),
-        None => cpu_time(ClockId::ThreadCPUTime),
+        Some(_) => rayon::broadcast(|_| cpu_time(ClockId::ThreadCPUTime)),
+        None => vec![cpu_time(ClockId::ThreadCPUTime)],
     }
 }
 
@@ -248,10 +263,30 @@ mod tests {
             assert!(cpu_s >= worked_s && cpu_s < worked_s * 1.3 + 0.01, "{stage:?}: {cpu_s} s for {worked_s} s");
         }
         assert_eq!(of(Stage::Labels).cpu_s, 0.0);
+        let serial_s = of(Stage::SampleFiles).serial_cpu_s;
+        // A thread that looks for work takes a little time, too, so that the other one stands out by less.
+        assert!(serial_s > 0.016 && serial_s <= of(Stage::SampleFiles).cpu_s, "{serial_s} s for 0.02 s");
         let sum: f64 = report.stages.iter().map(|s| s.cpu_s).sum();
         // Other tests run in this process meanwhile, so it may have taken more.
         assert!((report.cpu_s - sum - report.other_cpu_s).abs() < 1e-9 && report.other_cpu_s >= 0.04, "{report:?}");
         assert!(report.memory_peak_bytes.is_none_or(|bytes| bytes > 1_000_000));
+    }
+
+    #[test]
+    fn the_busiest_thread_tells_the_serial_part() {
+        let profile = Profile::begin();
+        let serial_s = |threads: &[u64]| {
+            let threads: Vec<_> = threads.iter().map(|s| Duration::from_secs(*s)).collect();
+            let before = profile.report(1).stages[Stage::Open as usize];
+            profile.add(Stage::Open, Duration::ZERO, &threads, 0);
+            let after = profile.report(1).stages[Stage::Open as usize];
+            (after.cpu_s - before.cpu_s, after.serial_cpu_s - before.serial_cpu_s)
+        };
+        assert_eq!(serial_s(&[5, 5, 5]), (15.0, 0.0));
+        // 6 s by one thread alone, then 9 s shared.
+        assert_eq!(serial_s(&[3, 9, 3]), (15.0, 6.0));
+        assert_eq!(serial_s(&[0, 0, 7]), (7.0, 7.0));
+        assert_eq!(serial_s(&[4]), (4.0, 4.0));
     }
 
     #[test]
