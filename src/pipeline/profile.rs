@@ -6,9 +6,8 @@
 //! pool does meanwhile has clocks of its own.
 //!
 //! How much of it was serial is told by the thread that worked most: with a serial part S of the time C on N threads it
-//! has S + (C - S) / N of it, if the others share what is left. Where they do not, since the machine gave them less or the
-//! parts are few, S comes out larger: it is what more threads would not have made shorter, and an upper bound of what is
-//! written one after the other. Other processes make C no longer, as they do the time on the wall.
+//! has S + (C - S) / N of it, if the others share what is left evenly. Where they do not, since its pieces are few or the
+//! machine gave them less, S comes out larger. Other processes do not lengthen C, as they do the time on the wall.
 
 use rustix::time::{ClockId, Timespec, clock_gettime};
 use satseed_tracer::Tracer;
