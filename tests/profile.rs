@@ -2,6 +2,9 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
+use satseed::pipeline::{estimate, second_scene_bytes};
+use satseed::plan::Plan;
+use satseed::recipe::Recipe;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,9 +50,16 @@ fn stages_add_up_to_what_the_process_took() {
         sensor: "worldview3_rgb",
         scenes: &["toronto = { radius_m = 70.0 }", "canyon = { radius_m = 60.0 }"],
     });
-    fs::write(&recipe, text).unwrap();
+    fs::write(&recipe, &text).unwrap();
     let (plain, counted) = (folder.path().join("plain"), folder.path().join("counted"));
-    assert!(generate(&recipe, &plain, &[]).status.success());
+    // Too little memory for two scenes: built one after the other. Too little for one: refused.
+    let plan = Plan::new(&Recipe::parse("recipe.toml", &text).unwrap()).unwrap();
+    let two_scenes = estimate(&Recipe::parse("recipe.toml", &text).unwrap(), &plan).memory_bytes;
+    let one_scene = two_scenes - second_scene_bytes(&plan);
+    assert!(one_scene < two_scenes);
+    let refused = generate(&recipe, &plain, &["--max-memory", &(one_scene - 1).to_string()]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(generate(&recipe, &plain, &["--max-memory", &one_scene.to_string()]).status.success());
 
     let file = folder.path().join("profile.json");
     let before_s = childrens_cpu_s();
@@ -79,6 +89,7 @@ fn stages_add_up_to_what_the_process_took() {
     // Two scenes are alive at once.
     let (peak, bound) = (number(&profile, "memory_peak_bytes"), number(&profile, "memory_bound_bytes"));
     assert!(peak > 1e7 && peak <= bound, "{peak} bytes of at most {bound}");
+    assert_eq!(bound, two_scenes as f64);
 
     let (mut expected, mut found) = (BTreeMap::new(), BTreeMap::new());
     files(&plain, &mut expected);

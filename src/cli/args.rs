@@ -135,7 +135,8 @@ pub(crate) struct GenerateArgs {
     /// Print pairs, bytes, memory and time, and write nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
-    /// Refuse to start if more memory could be needed, such as 8GiB
+    /// Refuse to start if more memory could be needed, such as 8GiB. Where it is too little for two scenes at once, no
+    /// scene is built ahead
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) max_memory: Option<u64>,
     /// Print time, rays and memory by stage on stderr at the end, and write them to a file. Changes no byte

@@ -8,7 +8,7 @@ use super::profile::ProfileFile;
 use super::progress::Progress;
 use anyhow::Context as _;
 use satseed::dataset::{DiskStore, FolderLock};
-use satseed::pipeline::{Options, Outcome, estimate, estimate_seconds, generate};
+use satseed::pipeline::{Options, Outcome, estimate, estimate_seconds, generate, second_scene_bytes};
 use satseed::plan::{Plan, Shard};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -20,13 +20,17 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
     let recipe = args.recipe.load()?;
     let plan = Plan::new(&recipe)?;
     let jobs = args.jobs.map_or_else(default_jobs, |n| n as usize);
-    let cost = estimate(&recipe, &plan);
+    let mut cost = estimate(&recipe, &plan);
     if args.dry_run {
         write_stdout(|out| {
             write_summary(out, &cost, &plan)?;
             writeln!(out, "time     about {} on {jobs} threads", duration_text(estimate_seconds(&recipe, &plan, jobs)))
         })?;
         return Ok(Exit::Fine);
+    }
+    let build_ahead = args.max_memory.is_none_or(|most| cost.memory_bytes <= most);
+    if !build_ahead {
+        cost.memory_bytes -= second_scene_bytes(&plan);
     }
     if let Some(most) = args.max_memory.filter(|most| cost.memory_bytes > *most) {
         anyhow::bail!(
@@ -47,6 +51,7 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
     let progress = Progress::new(&cost);
     let options = Options {
         jobs,
+        build_ahead,
         shard: args.shard.unwrap_or(Shard::WHOLE),
         stop: &stop,
         profile: profile.as_ref().map(|p| &p.profile),

@@ -35,6 +35,8 @@ pub const SCENES_IN_FLIGHT: usize = 2;
 pub struct Options<'a> {
     /// Threads that trace; at least 1. As many build the next scene beside them, unless it is 1, and as many write files.
     pub jobs: usize,
+    /// Whether the next scene may be built while one is traced. Without, [`second_scene_bytes`] less are needed.
+    pub build_ahead: bool,
     /// Which part of the plan.
     pub shard: Shard,
     /// Set from outside to stop at the next sample's border.
@@ -134,13 +136,10 @@ pub fn thread_pool(jobs: usize) -> Result<rayon::ThreadPool, PipelineError> {
         .map_err(|e| PipelineError::Threads { jobs, reason: e.to_string() })
 }
 
-/// What a run of this plan costs, the surface models included.
+/// What a run of this plan costs, the surface models and a scene that is built ahead included.
 pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     let mut estimate = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT);
-    // The largest scene is counted already. Of a resumed run or a shard any two may follow each other.
-    let mut scenes: Vec<u64> = plan.scenes.iter().map(|s| s.region.memory_bound_bytes()).collect();
-    scenes.sort_unstable_by_key(|bytes| std::cmp::Reverse(*bytes));
-    estimate.memory_bytes += scenes.iter().take(SCENES_IN_FLIGHT).skip(1).sum::<u64>();
+    estimate.memory_bytes += second_scene_bytes(plan);
     let models = plan.scenes.iter().map(|s| scene::surface_model_bytes(&s.region, recipe.camera().gsd_m)).max();
     estimate.memory_bytes += models.unwrap_or(0);
     // DSM and DTM, compressed: 1.4 bytes a cell in a city, 3.7 in a canyon. The nDSM adds 0.7 in a city and next to nothing in
@@ -148,6 +147,14 @@ pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     let cells: u64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, recipe.camera().gsd_m)).sum();
     estimate.disk_bytes += 4 * cells;
     estimate
+}
+
+/// What a run of this plan may need for building a scene ahead, bytes: its largest scene but one, since any two may follow
+/// each other in a shard or where a run is taken up again.
+pub fn second_scene_bytes(plan: &Plan) -> u64 {
+    let mut scenes: Vec<u64> = plan.scenes.iter().map(|s| s.region.memory_bound_bytes()).collect();
+    scenes.sort_unstable_by_key(|bytes| std::cmp::Reverse(*bytes));
+    scenes.iter().take(SCENES_IN_FLIGHT).skip(1).sum()
 }
 
 /// How long a run takes, about, seconds: from runs of both regions, so a first idea and no promise.

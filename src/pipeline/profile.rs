@@ -191,7 +191,8 @@ impl Meter {
         let (begun, before, traced) = (Instant::now(), pool_times(), rays());
         let result = work();
         let wall = begun.elapsed();
-        let threads: Vec<_> = pool_times().into_iter().zip(before).map(|(after, before)| after - before).collect();
+        let threads: Vec<_> =
+            pool_times().into_iter().zip(before).map(|(after, before)| after.saturating_sub(before)).collect();
         profile.add(stage, wall, &threads, rays() - traced);
         result
     }

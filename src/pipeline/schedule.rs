@@ -3,7 +3,7 @@
 //! Three lanes, each with threads of its own: one builds scenes, one traces pairs, one writes samples. While a scene's
 //! pairs are traced the next scene is built, and while a pair is traced the one before it is encoded and written. So two
 //! scenes and two samples are all that memory ever holds, and no lane waits for another while there is work of its own.
-//! Where one thread is asked for, it builds and traces in turn, and no scene is built ahead.
+//! Where one thread is asked for, or memory is too short for two scenes, the same pool builds and traces in turn.
 //!
 //! Lanes have pools of their own since a thread of rayon that waits takes whatever work it finds: one that waits for the
 //! last rows of a pair would take up the building of a scene, and keep the pair waiting for all of it.
@@ -34,7 +34,7 @@ pub fn generate(
     options: Options<'_>,
     report: &(dyn Fn(Event<'_>) + Sync),
 ) -> Result<Outcome, PipelineError> {
-    let lanes = Lanes::new(options.jobs)?;
+    let lanes = Lanes::new(options.jobs, options.build_ahead)?;
     let meter = Meter(options.profile.cloned());
     let writer = lanes.files.install(|| meter.stage(Stage::Open, || Writer::open(store, contents(recipe, plan))))?;
     let shares = options.shard.of(plan);
@@ -60,13 +60,13 @@ struct Lanes {
 }
 
 impl Lanes {
-    fn new(jobs: usize) -> Result<Self, PipelineError> {
+    fn new(jobs: usize, build_ahead: bool) -> Result<Self, PipelineError> {
         let pool = || thread_pool(jobs).map(Arc::new);
         let (pairs, files) = (pool()?, pool()?);
-        Ok(match jobs {
-            0 | 1 => Self { build: Arc::clone(&pairs), pairs, files, scenes: 1 },
-            _ => Self { build: pool()?, pairs, files, scenes: SCENES_IN_FLIGHT },
-        })
+        if jobs > 1 && build_ahead {
+            return Ok(Self { build: pool()?, pairs, files, scenes: SCENES_IN_FLIGHT });
+        }
+        Ok(Self { build: Arc::clone(&pairs), pairs, files, scenes: 1 })
     }
 }
 
