@@ -57,7 +57,7 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
         profile: profile.as_ref().map(|p| &p.profile),
     };
     let outcome = generate(&recipe, &plan, &store, options, &|event| progress.report(event));
-    progress.end();
+    let standing = progress.end();
     let outcome = outcome?;
     if let Some(profile) = profile {
         profile.end(&plan.hash, jobs, cost.memory_bytes)?;
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
             Ok(Exit::Fine)
         }
         Outcome::Stopped => {
-            progress.stopped();
+            progress.stopped(standing);
             Ok(Exit::Stopped)
         }
     }

@@ -56,9 +56,12 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
-    pub(crate) fn end(&self) {
+    /// Takes the bar away, and says how many pairs stand.
+    pub(crate) fn end(&self) -> u64 {
+        // A bar that is taken away says that all is done.
+        let standing = self.bar.position();
         self.bar.finish_and_clear();
+        standing
     }
 
     /// A sentence for a person at a terminal; a log line otherwise.
@@ -71,10 +74,9 @@ impl Progress {
     }
 
     /// The sentence of a run that was stopped: it is said wherever stderr goes.
-    pub(crate) fn stopped(&self) {
+    pub(crate) fn stopped(&self, standing: u64) {
         tracing::warn!(
-            "stopped at a sample's border, {} of {} pairs stand: run the same command again to go on",
-            self.bar.position(),
+            "stopped at a sample's border, {standing} of {} pairs stand: run the same command again to go on",
             self.bar.length().unwrap_or(0)
         );
     }
