@@ -54,7 +54,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("tiff_core", &["dataset"]),
     ("base64", &["evaluate"]),
     ("half", &["evaluate"]),
-    ("rustix", &["dataset"]),
+    ("rustix", &["dataset", "pipeline"]),
     ("anyhow", &["cli", "main"]),
     ("clap", &["cli", "main"]),
     ("clap_complete", &["cli", "main"]),

@@ -1,14 +1,15 @@
 //! The whole path, from a recipe to a dataset, in memory.
 #![allow(clippy::unwrap_used)]
 
-use satseed::dataset::{Layer, MemoryStore, Store, View, parse_lines};
+use satseed::dataset::{Entry, Layer, MemoryStore, Store, StoreError, View, parse_lines};
 use satseed::labels::{self, explain};
 use satseed::pipeline::{BuiltScene, Event, Options, Outcome, PipelineError, generate, make_sample, rig};
 use satseed::plan::{Plan, Shard};
 use satseed::recipe::{Label, Recipe, Region};
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex};
+use std::time::Duration;
 use support::small;
 
 mod support;
@@ -32,10 +33,17 @@ fn run(
     stop: &AtomicBool,
     report: &(dyn Fn(Event<'_>) + Sync),
 ) -> Result<Outcome, PipelineError> {
-    let recipe = recipe();
-    let plan = Plan::new(&recipe).unwrap();
     let shard: Shard = shard.parse().unwrap();
-    generate(&recipe, &plan, store, Options { jobs, shard, stop }, report)
+    run_with(store, Options { jobs, build_ahead: true, shard, stop, profile: None }, report)
+}
+
+fn run_with(
+    store: &dyn Store,
+    options: Options<'_>,
+    report: &(dyn Fn(Event<'_>) + Sync),
+) -> Result<Outcome, PipelineError> {
+    let recipe = recipe();
+    generate(&recipe, &Plan::new(&recipe).unwrap(), store, options, report)
 }
 
 fn whole(jobs: usize) -> BTreeMap<String, Vec<u8>> {
@@ -87,6 +95,96 @@ fn threads_shards_and_stops_change_no_byte() {
     }
     assert!(runs >= 2);
     assert!(store.into_files() == expected, "stopped and taken up again");
+}
+
+/// A store that refuses one file.
+struct Refusing {
+    inner: MemoryStore,
+    ending: &'static str,
+}
+
+impl Store for Refusing {
+    fn put(&self, path: &str, bytes: &[u8]) -> Result<(), StoreError> {
+        if path.ends_with(self.ending) {
+            return Err(StoreError::Full { path: path.to_owned(), bytes: bytes.len() as u64 });
+        }
+        self.inner.put(path, bytes)
+    }
+    fn get(&self, path: &str) -> Result<Vec<u8>, StoreError> {
+        self.inner.get(path)
+    }
+    fn size(&self, path: &str) -> Result<Option<u64>, StoreError> {
+        self.inner.size(path)
+    }
+    fn list(&self, prefix: &str) -> Result<Vec<Entry>, StoreError> {
+        self.inner.list(prefix)
+    }
+    fn discard(&self, path: &str) -> Result<(), StoreError> {
+        self.inner.discard(path)
+    }
+    fn clear_unfinished(&self) -> Result<(), StoreError> {
+        self.inner.clear_unfinished()
+    }
+}
+
+#[test]
+fn the_next_scene_is_built_while_one_is_traced() {
+    let plan = Plan::new(&recipe()).unwrap();
+    for (jobs, build_ahead) in [(1, true), (2, false), (2, true)] {
+        let ahead = jobs > 1 && build_ahead;
+        // What was reported: scenes begun and pairs recorded.
+        let (counts, changed) = (Mutex::new((0, 0)), Condvar::new());
+        let report = |event: Event<'_>| {
+            let mut counts = counts.lock().unwrap();
+            match event {
+                Event::Begun { .. } => {}
+                Event::Scene { name } => {
+                    assert_eq!(name, plan.scenes[counts.0].name, "scenes come in plan order");
+                    counts.0 += 1;
+                    // Otherwise the first scene is through; its last pair may still be in the writer's hands.
+                    assert!(ahead || counts.0 == 1 || counts.1 >= 1, "built ahead with {jobs} threads");
+                    changed.notify_all();
+                }
+                Event::Pair { id, .. } => {
+                    assert_eq!(id, plan.pairs().nth(counts.1).unwrap().1.id, "pairs come in plan order");
+                    counts.1 += 1;
+                    // The first pair's writer stays here, and so the second pair cannot be the last: the scene is at work.
+                    if ahead && counts.1 == 1 {
+                        let long = Duration::from_secs(300);
+                        let (_counts, waited) = changed.wait_timeout_while(counts, long, |c| c.0 < 2).unwrap();
+                        assert!(!waited.timed_out(), "the second scene was not begun before the first was done");
+                    }
+                }
+            }
+        };
+        let stop = AtomicBool::new(false);
+        let options = Options { jobs, build_ahead, shard: Shard::WHOLE, stop: &stop, profile: None };
+        let outcome = run_with(&MemoryStore::default(), options, &report).unwrap();
+        assert!(matches!(outcome, Outcome::Complete(_)));
+        assert_eq!(*counts.lock().unwrap(), (2, 4));
+    }
+}
+
+/// Where a lane fails the others come to an end, the sentence is that of the failure, and the same command goes on.
+#[test]
+fn a_failing_lane_ends_the_others() {
+    let expected = whole(2);
+    let plan = Plan::new(&recipe()).unwrap();
+    let first = &plan.scenes[0];
+    let part = format!("{}/part.jsonl", first.name);
+    let second_left: &'static str = format!("{}/left.png", first.pairs[1].id).leak();
+    let next_dsm: &'static str = format!("{}/dsm.tif", plan.scenes[1].name).leak();
+    // Records that must stand, and whether the first scene is through.
+    for (ending, records, through) in [(second_left, 1, false), (next_dsm, 2, true)] {
+        let store = Refusing { inner: MemoryStore::default(), ending };
+        let error = run(&store, 2, "1/1", &AtomicBool::new(false), &|_| {}).unwrap_err().to_string();
+        assert!(error.contains(&format!("no room for `{ending}`")), "{error}");
+        let standing = store.list("").unwrap().iter().filter(|e| e.path.ends_with("/sample.json")).count();
+        assert_eq!(standing, records, "{ending}");
+        assert_eq!(store.size(&part).unwrap().is_some(), through, "{ending}");
+        run(&store.inner, 2, "1/1", &AtomicBool::new(false), &|_| {}).unwrap();
+        assert!(store.inner.into_files() == expected, "{ending}");
+    }
 }
 
 #[test]

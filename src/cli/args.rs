@@ -128,7 +128,8 @@ pub(crate) struct GenerateArgs {
     /// Folder of the dataset: new, empty, or one that holds this plan already
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Threads; as many as there are cores by default. Changes no byte
+    /// Threads that trace; as many as there are cores by default. As many more build the next scene beside them, unless
+    /// N is 1, and as many write files. Changes no byte
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) jobs: Option<u32>,
     /// Make only part I of N of the pairs, I from 1
@@ -137,9 +138,13 @@ pub(crate) struct GenerateArgs {
     /// Print pairs, bytes, memory and time, and write nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
-    /// Refuse to start if more memory could be needed, such as 8GiB
+    /// Refuse to start if more memory could be needed, such as 8GiB. Where it is too little for two scenes at once, no
+    /// scene is built ahead
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) max_memory: Option<u64>,
+    /// Print time, rays and memory by stage on stderr at the end, and write them to a file. Changes no byte
+    #[arg(long, value_name = "FILE.json", conflicts_with = "dry_run")]
+    pub(crate) profile: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

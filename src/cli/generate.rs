@@ -4,10 +4,11 @@ use super::Exit;
 use super::args::GenerateArgs;
 use super::output::{bytes_text, write_stdout};
 use super::plan::write_summary;
+use super::profile::ProfileFile;
 use super::progress::Progress;
 use anyhow::Context as _;
 use satseed::dataset::{DiskStore, FolderLock};
-use satseed::pipeline::{Options, Outcome, estimate, estimate_seconds, generate};
+use satseed::pipeline::{Options, Outcome, estimate, estimate_seconds, generate, second_scene_bytes};
 use satseed::plan::{Plan, Shard};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -19,13 +20,17 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
     let recipe = args.recipe.load()?;
     let plan = Plan::new(&recipe)?;
     let jobs = args.jobs.map_or_else(default_jobs, |n| n as usize);
-    let cost = estimate(&recipe, &plan);
+    let mut cost = estimate(&recipe, &plan);
     if args.dry_run {
         write_stdout(|out| {
             write_summary(out, &cost, &plan)?;
             writeln!(out, "time     about {} on {jobs} threads", duration_text(estimate_seconds(&recipe, &plan, jobs)))
         })?;
         return Ok(Exit::Fine);
+    }
+    let build_ahead = args.max_memory.is_none_or(|most| cost.memory_bytes <= most);
+    if !build_ahead {
+        cost.memory_bytes -= second_scene_bytes(&plan);
     }
     if let Some(most) = args.max_memory.filter(|most| cost.memory_bytes > *most) {
         anyhow::bail!(
@@ -41,12 +46,23 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
 
     let store = DiskStore::create(&args.out)?;
     let _lock = FolderLock::take(&args.out)?;
+    let profile = args.profile.as_deref().map(|file| ProfileFile::begin(file, &args.out)).transpose()?;
     let stop = stop_on_signals().context("cannot listen for signals")?;
     let progress = Progress::new(&cost);
-    let options = Options { jobs, shard: args.shard.unwrap_or(Shard::WHOLE), stop: &stop };
+    let options = Options {
+        jobs,
+        build_ahead,
+        shard: args.shard.unwrap_or(Shard::WHOLE),
+        stop: &stop,
+        profile: profile.as_ref().map(|p| &p.profile),
+    };
     let outcome = generate(&recipe, &plan, &store, options, &|event| progress.report(event));
-    progress.end();
-    match outcome? {
+    let standing = progress.end();
+    let outcome = outcome?;
+    if let Some(profile) = profile {
+        profile.end(&plan.hash, jobs, cost.memory_bytes)?;
+    }
+    match outcome {
         Outcome::Complete(root_hash) => {
             write_stdout(|out| writeln!(out, "{}", root_hash.hex()))?;
             Ok(Exit::Fine)
@@ -56,7 +72,7 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
             Ok(Exit::Fine)
         }
         Outcome::Stopped => {
-            progress.stopped();
+            progress.stopped(standing);
             Ok(Exit::Stopped)
         }
     }

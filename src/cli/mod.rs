@@ -13,6 +13,7 @@ mod output;
 mod plan;
 mod presets;
 mod preview;
+mod profile;
 mod progress;
 mod verify;
 

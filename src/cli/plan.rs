@@ -45,7 +45,8 @@ pub(crate) fn write_summary(out: &mut dyn Write, estimate: &Estimate, plan: &Pla
     let shares: Vec<_> = Split::ALL.iter().map(|s| format!("{} {}", shares[*s as usize], s.word())).collect();
     writeln!(out, "pairs    {} of {} scenes: {}", estimate.pairs, estimate.scenes, shares.join(", "))?;
     writeln!(out, "disk     about {}", bytes_text(estimate.disk_bytes))?;
-    writeln!(out, "memory   at most {}", bytes_text(estimate.memory_bytes))?;
+    let scenes = if estimate.scenes > 1 { ", two scenes at once" } else { "" };
+    writeln!(out, "memory   at most {}{scenes}", bytes_text(estimate.memory_bytes))?;
     writeln!(out, "plan     {}", plan.hash)?;
     plan.notes.iter().try_for_each(|note| writeln!(out, "note     {note}"))
 }

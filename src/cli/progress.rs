@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 /// The progress of one run.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// The scene at work, and since when.
-    scene: Mutex<(String, Instant)>,
+    /// Since when rays are counted, and how many there were.
+    rays: Mutex<(Instant, u64)>,
 }
 
 impl Progress {
@@ -21,7 +21,7 @@ impl Progress {
         let bar = if io::stderr().is_terminal() { ProgressBar::no_length() } else { ProgressBar::hidden() };
         let style = ProgressStyle::with_template("{spinner} [{bar:30}] {pos}/{len} pairs, {eta} left  {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
-        let progress = Self { bar, scene: Mutex::new((String::new(), Instant::now())) };
+        let progress = Self { bar, rays: Mutex::new((Instant::now(), 0)) };
         let (memory, disk) = (bytes_text(cost.memory_bytes), bytes_text(cost.disk_bytes));
         progress.tell(&format!("memory at most {memory}, disk about {disk}"));
         progress
@@ -41,26 +41,27 @@ impl Progress {
             }
             Event::Scene { name } => {
                 tracing::info!("building scene {name}");
-                if let Ok(mut scene) = self.scene.lock() {
-                    *scene = (name.to_owned(), Instant::now());
-                }
                 self.bar.set_message(format!("building {name}"));
             }
             Event::Pair { id, rays } => {
                 tracing::debug!("recorded {id}");
                 self.bar.inc(1);
-                if let Ok(scene) = self.scene.lock() {
-                    let (name, begun) = &*scene;
-                    let per_second = rays as f64 / begun.elapsed().as_secs_f64() / 1e6;
-                    self.bar.set_message(format!("{name}, {per_second:.2} M rays/s"));
+                if let Ok(mut counted) = self.rays.lock() {
+                    counted.1 += rays;
+                    let per_second = counted.1 as f64 / counted.0.elapsed().as_secs_f64() / 1e6;
+                    let scene = id.split_once('/').map_or(id, |(scene, _)| scene);
+                    self.bar.set_message(format!("{scene}, {per_second:.2} M rays/s"));
                 }
             }
         }
     }
 
-    /// Takes the bar away.
-    pub(crate) fn end(&self) {
+    /// Takes the bar away, and says how many pairs stand.
+    pub(crate) fn end(&self) -> u64 {
+        // A bar that is taken away says that all is done.
+        let standing = self.bar.position();
         self.bar.finish_and_clear();
+        standing
     }
 
     /// A sentence for a person at a terminal; a log line otherwise.
@@ -73,10 +74,9 @@ impl Progress {
     }
 
     /// The sentence of a run that was stopped: it is said wherever stderr goes.
-    pub(crate) fn stopped(&self) {
+    pub(crate) fn stopped(&self, standing: u64) {
         tracing::warn!(
-            "stopped at a sample's border, {} of {} pairs stand: run the same command again to go on",
-            self.bar.position(),
+            "stopped at a sample's border, {standing} of {} pairs stand: run the same command again to go on",
             self.bar.length().unwrap_or(0)
         );
     }

@@ -179,12 +179,12 @@ impl<'a> Writer<'a> {
     /// # Errors
     /// Where a recorded sample names other content, or the store fails.
     pub fn put_scene(&self, scene: &str, files: &SceneFiles) -> Result<(), WriteError> {
-        let made = [
-            ("scene", MadeFile::text(format!("{scene}/scene.json"), &files.scene_json)),
-            ("dsm", MadeFile::heights(format!("{scene}/dsm.tif"), &files.dsm)?),
-            ("dtm", MadeFile::heights(format!("{scene}/dtm.tif"), &files.dtm)?),
-            ("ndsm", MadeFile::heights(format!("{scene}/ndsm.tif"), &files.ndsm)?),
-        ];
+        let mut made = vec![("scene", MadeFile::text(format!("{scene}/scene.json"), &files.scene_json))];
+        let maps: Vec<_> = [("dsm", &files.dsm), ("dtm", &files.dtm), ("ndsm", &files.ndsm)]
+            .into_par_iter()
+            .map(|(name, map)| Ok((name, MadeFile::heights(format!("{scene}/{name}.tif"), map)?)))
+            .collect::<Result<_, WriteError>>()?;
+        made.extend(maps);
         let below = format!("{scene}/");
         let named = locked(&self.recorded).iter().any(|id| id.starts_with(&below));
         let mut shared = BTreeMap::new();

@@ -1,36 +1,48 @@
 //! The loop from a plan to a dataset; the only module that knows every stage.
 //!
-//! Scene by scene in plan order: build, trees, surface models, then pair by pair. While one pair is traced the one
-//! before it is encoded and written, so that one scene and two samples are all that memory ever holds. Nothing that is
-//! written depends on how many threads there are, which shard this is, or how often the run was stopped.
+//! Scene by scene in plan order: build, trees, surface models, then pair by pair; `schedule` says what goes on side by
+//! side. Nothing that is written depends on how many threads there are, which shard this is, or how often the run was
+//! stopped.
 
 mod contents;
 mod pair;
+mod profile;
 mod regenerate;
 mod scene;
+mod schedule;
 
 pub use contents::{contents, recipe_text};
 pub use pair::{make_sample, rig};
+pub use profile::{Profile, ProfileReport, Stage, StageReport};
 pub use regenerate::{chosen, regenerate, same_recipe_text};
 pub use scene::{BuiltScene, SceneRecord};
+pub use schedule::generate;
 
-use crate::dataset::{ManifestHash, ReadError, Sample, Store, WriteError, Writer};
+use crate::dataset::{ManifestHash, ReadError, WriteError};
 use crate::plan::{Estimate, Plan, Shard};
 use crate::recipe::Recipe;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Pairs in memory at once: one being traced, one being written.
 pub const SAMPLES_IN_FLIGHT: u32 = 2;
 
+/// Scenes in memory at once: one whose pairs are traced, one being built.
+pub const SCENES_IN_FLIGHT: usize = 2;
+
 /// How a plan is run. None of it changes a byte of what is written.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
-    /// Threads; at least 1.
+    /// Threads that trace; at least 1. As many build the next scene beside them, unless it is 1, and as many write files.
     pub jobs: usize,
+    /// Whether the next scene may be built while one is traced. Without, [`second_scene_bytes`] less are needed.
+    pub build_ahead: bool,
     /// Which part of the plan.
     pub shard: Shard,
     /// Set from outside to stop at the next sample's border.
     pub stop: &'a AtomicBool,
+    /// Where to count what the stages take.
+    pub profile: Option<&'a Arc<Profile>>,
 }
 
 /// What happens while a plan is run.
@@ -43,7 +55,7 @@ pub enum Event<'a> {
         /// Recorded by an earlier run.
         standing: usize,
     },
-    /// A scene is being built.
+    /// A scene is being built; pairs of the scene before it may still come.
     Scene {
         /// Its name.
         name: &'a str,
@@ -52,7 +64,7 @@ pub enum Event<'a> {
     Pair {
         /// Its id.
         id: &'a str,
-        /// Rays traced in its scene so far.
+        /// Rays that it took.
         rays: u64,
     },
 }
@@ -124,9 +136,10 @@ pub fn thread_pool(jobs: usize) -> Result<rayon::ThreadPool, PipelineError> {
         .map_err(|e| PipelineError::Threads { jobs, reason: e.to_string() })
 }
 
-/// What a run of this plan costs, the surface models included.
+/// What a run of this plan costs, the surface models and a scene that is built ahead included.
 pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     let mut estimate = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT);
+    estimate.memory_bytes += second_scene_bytes(plan);
     let models = plan.scenes.iter().map(|s| scene::surface_model_bytes(&s.region, recipe.camera().gsd_m)).max();
     estimate.memory_bytes += models.unwrap_or(0);
     // DSM and DTM, compressed: 1.4 bytes a cell in a city, 3.7 in a canyon. The nDSM adds 0.7 in a city and next to nothing in
@@ -134,6 +147,14 @@ pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     let cells: u64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, recipe.camera().gsd_m)).sum();
     estimate.disk_bytes += 4 * cells;
     estimate
+}
+
+/// What a run of this plan may need for building a scene ahead, bytes: its largest scene but one, since any two may follow
+/// each other in a shard or where a run is taken up again.
+pub fn second_scene_bytes(plan: &Plan) -> u64 {
+    let mut scenes: Vec<u64> = plan.scenes.iter().map(|s| s.region.memory_bound_bytes()).collect();
+    scenes.sort_unstable_by_key(|bytes| std::cmp::Reverse(*bytes));
+    scenes.iter().take(SCENES_IN_FLIGHT).skip(1).sum()
 }
 
 /// How long a run takes, about, seconds: from runs of both regions, so a first idea and no promise.
@@ -147,70 +168,4 @@ pub fn estimate_seconds(recipe: &Recipe, plan: &Plan, jobs: usize) -> f64 {
     let rays = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT).rays as f64;
     let seconds = cells * cell_m * cell_m * SECONDS_PER_M2 + rays / RAYS_PER_SECOND + cells / MAP_CELLS_PER_SECOND;
     seconds / jobs.max(1) as f64
-}
-
-/// Runs a plan into a store. The caller holds the folder's lock.
-///
-/// # Errors
-/// Where the store holds something else or fails; what is recorded by then stands, and the same call goes on from there.
-pub fn generate(
-    recipe: &Recipe,
-    plan: &Plan,
-    store: &dyn Store,
-    options: Options<'_>,
-    report: &(dyn Fn(Event<'_>) + Sync),
-) -> Result<Outcome, PipelineError> {
-    let pool = thread_pool(options.jobs)?;
-    let writer = Writer::open(store, contents(recipe, plan))?;
-    let shares = options.shard.of(plan);
-    let pairs = || shares.iter().flat_map(|share| &plan.scenes[share.scene].pairs[share.pairs.clone()]);
-    let standing = pairs().filter(|p| writer.is_recorded(&p.id)).count();
-    report(Event::Begun { pairs: pairs().count(), standing });
-    let stopped = || options.stop.load(Ordering::Relaxed);
-
-    for share in &shares {
-        let spec = &plan.scenes[share.scene];
-        let todo: Vec<_> = spec.pairs[share.pairs.clone()].iter().filter(|p| !writer.is_recorded(&p.id)).collect();
-        if !todo.is_empty() {
-            if stopped() {
-                return Ok(Outcome::Stopped);
-            }
-            report(Event::Scene { name: &spec.name });
-            pool.install(|| {
-                let scene = scene::build(spec)?;
-                let built = BuiltScene::new(recipe, spec, &scene);
-                if stopped() {
-                    return Ok(());
-                }
-                if !writer.adopt_scene(&spec.name)? {
-                    writer.put_scene(&spec.name, &built.files())?;
-                }
-                let write = |sample: Option<Sample>| -> Result<(), WriteError> {
-                    if let Some(sample) = sample {
-                        let id = sample.identity.id.clone();
-                        writer.put_sample(sample)?;
-                        report(Event::Pair { id: &id, rays: built.tracer.rays_traced() });
-                    }
-                    Ok(())
-                };
-                let mut finished = None;
-                for pair in todo {
-                    if stopped() {
-                        break;
-                    }
-                    let before = finished.take();
-                    let (sample, written) = rayon::join(|| make_sample(&built, pair), || write(before));
-                    written?;
-                    finished = Some(sample?);
-                }
-                write(finished)?;
-                Ok::<(), PipelineError>(())
-            })?;
-            if stopped() && !spec.pairs[share.pairs.clone()].iter().all(|p| writer.is_recorded(&p.id)) {
-                return Ok(Outcome::Stopped);
-            }
-        }
-        writer.finish_scene(&spec.name)?;
-    }
-    Ok(writer.finish()?.map_or(Outcome::ShardDone, Outcome::Complete))
 }

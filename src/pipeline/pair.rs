@@ -2,6 +2,7 @@
 
 use super::PipelineError;
 use super::contents::layer_of;
+use super::profile::{Meter, Stage};
 use super::scene::BuiltScene;
 use crate::camera::{Camera, RigSpec, StereoRig};
 use crate::dataset::formats::{Pixels, Plane, round_to_256th};
@@ -18,17 +19,26 @@ use satseed_scene::SeedPath;
 /// # Errors
 /// Where the scene has a hole: a pixel of a labelled view whose ray meets nothing.
 pub fn make_sample(scene: &BuiltScene<'_>, pair: &PairSpec) -> Result<Sample, PipelineError> {
+    sample(scene, pair, &Meter::default())
+}
+
+/// [`make_sample`], with an account of its stages.
+pub(super) fn sample(scene: &BuiltScene<'_>, pair: &PairSpec, meter: &Meter) -> Result<Sample, PipelineError> {
     let rig = rig(scene, pair);
     let labels = scene.recipe.labels();
     let mut planes = Vec::new();
     for view in [View::Left, View::Right] {
         if view == View::Left || !labels.write.is_empty() {
-            let maps = label_maps(scene, &rig, view);
-            refuse_hole(&maps, &pair.id, view)?;
-            let with_disparity = view == View::Left || labels.has(Label::DisparityRight);
-            planes.extend(label_planes(maps, labels, with_disparity).into_iter().map(|(l, plane)| (l, view, plane)));
+            let made = meter.traced(Stage::Labels, &scene.tracer, || {
+                let maps = label_maps(scene, &rig, view);
+                refuse_hole(&maps, &pair.id, view)?;
+                let with_disparity = view == View::Left || labels.has(Label::DisparityRight);
+                Ok::<_, PipelineError>(label_planes(maps, labels, with_disparity))
+            })?;
+            planes.extend(made.into_iter().map(|(layer, plane)| (layer, view, plane)));
         }
-        planes.push((Layer::Image, view, image(scene, pair, &rig, view)));
+        let image = meter.traced(Stage::Render, &scene.tracer, || image(scene, pair, &rig, view));
+        planes.push((Layer::Image, view, image));
     }
     planes.sort_by_key(|(layer, view, _)| (*layer, *view));
     Ok(Sample { identity: identity(scene, pair, &rig), camera: camera_file(&rig, pair), planes })

@@ -168,10 +168,11 @@ fn height_map(raster: Raster<f32>) -> HeightMap {
     }
 }
 
-/// What the surface models of a scene take while they are made and encoded, bytes: one of them at a time is turned and
-/// encoded.
+/// What the surface models of a scene take, bytes: three heights a cell that are kept, and on top of them what it takes to
+/// make them or, after that, to encode all three at once: each turned, with its predictor, compressed.
 pub(super) fn surface_model_bytes(region: &Region, cell_m: f64) -> u64 {
-    map_cells(region, cell_m) * 12 + labels::surface_model_bytes(map_side(region, cell_m))
+    let cells = map_cells(region, cell_m);
+    cells * 12 + labels::surface_model_bytes(map_side(region, cell_m)).max(cells * 3 * (4 + 4 + 4))
 }
 
 /// Cells of a scene's surface model.
