@@ -1,8 +1,8 @@
 //! NPY, NumPy's own format, versions 1 to 3: a header that is a Python dictionary, then the raw array.
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 //!
-//! Read here and not by a package: the packages parse the header as any Python literal, by recursion that a stranger's
-//! brackets drive into a stack overflow.
+//! Read here and not by a package: of the dictionary three keys in their usual form are all that is wanted, and a file of a
+//! stranger's must not drive a parser of any Python literal.
 
 use super::{PredictionError, Size, expect_length};
 use half::f16;
