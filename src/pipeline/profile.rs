@@ -260,12 +260,12 @@ mod tests {
         // 240 and 80 ms of work; threads that look for more of it take a little, too.
         for (stage, worked_s) in [(Stage::Render, 0.24), (Stage::SampleFiles, 0.08)] {
             let cpu_s = of(stage).cpu_s;
-            assert!(cpu_s >= worked_s && cpu_s < worked_s * 2.0 + 0.05, "{stage:?}: {cpu_s} s for {worked_s} s");
+            assert!(cpu_s >= worked_s && cpu_s < worked_s * 1.3 + 0.01, "{stage:?}: {cpu_s} s for {worked_s} s");
         }
         assert_eq!(of(Stage::Labels).cpu_s, 0.0);
         let serial_s = of(Stage::SampleFiles).serial_cpu_s;
         // A thread that looks for work takes a little time, too, so that the other one stands out by less.
-        assert!(serial_s > 0.005 && serial_s <= of(Stage::SampleFiles).cpu_s, "{serial_s} s for 0.02 s");
+        assert!(serial_s > 0.016 && serial_s <= of(Stage::SampleFiles).cpu_s, "{serial_s} s for 0.02 s");
         let sum: f64 = report.stages.iter().map(|s| s.cpu_s).sum();
         // Other tests run in this process meanwhile, so it may have taken more.
         assert!((report.cpu_s - sum - report.other_cpu_s).abs() < 1e-9 && report.other_cpu_s >= 0.04, "{report:?}");
