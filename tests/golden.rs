@@ -25,6 +25,7 @@ fn small(name: &str) -> Region {
     match &mut region {
         Region::Canyon(p) => p.radius_m = RADIUS_M,
         Region::Toronto(p) => p.radius_m = RADIUS_M,
+        Region::Desert(p) => p.radius_m = RADIUS_M,
     }
     region
 }

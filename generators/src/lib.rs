@@ -6,6 +6,7 @@
 
 pub mod canyon;
 pub mod city;
+pub mod desert;
 pub mod kit;
 mod parameters;
 
@@ -103,4 +104,5 @@ macro_rules! registry {
 registry! {
     Canyon, canyon, "canyon";
     Toronto, toronto, "toronto";
+    Desert, desert, "desert";
 }

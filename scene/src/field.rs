@@ -124,6 +124,13 @@ pub enum Field {
         /// About the greatest shift along an axis, m.
         amplitude_m: f32,
     },
+    /// The inner field in a frame turned about the vertical: its first axis points along a unit direction of the plan.
+    Turned {
+        /// The field.
+        of: Box<Field>,
+        /// East and north part of its first axis.
+        along: [f64; 2],
+    },
     /// `of * by + plus`.
     Affine {
         /// The field.
@@ -256,6 +263,7 @@ impl Field {
             Self::Warped { of, seed, wavelength_m, amplitude_m } => {
                 of.evaluate(&warped(p, *seed, *wavelength_m, *amplitude_m), look.rasters)
             }
+            Self::Turned { of, along } => of.evaluate(&turned(p, *along), look.rasters),
             Self::Affine { of, by, plus } => {
                 let f = of.at(look);
                 Filtered { mean: f.mean * by + plus, variance: f.variance * by * by }
@@ -302,6 +310,9 @@ impl Field {
     pub(crate) fn slope(&self, p: &SurfacePoint) -> Option<[f64; 2]> {
         match self {
             Self::Noise(fractal) => fractal.slope(p),
+            Self::Turned { of, along: [c, s] } => {
+                of.slope(&turned(p, [*c, *s])).map(|[u, v]| [u * c - v * s, u * s + v * c])
+            }
             _ => None,
         }
     }
@@ -310,6 +321,7 @@ impl Field {
     pub(crate) fn is_hidden(&self, footprint_m: f64) -> bool {
         match self {
             Self::Noise(fractal) => fractal.is_hidden(footprint_m),
+            Self::Turned { of, .. } => of.is_hidden(footprint_m),
             _ => false,
         }
     }
@@ -406,6 +418,17 @@ fn warped(p: &SurfacePoint, seed: u32, wavelength_m: f32, amplitude_m: f32) -> S
     SurfacePoint { world_m: p.world_m + d3, object_m: p.object_m + d3, uv_m: p.uv_m + d, ..*p }
 }
 
+/// The point as a frame turned about the vertical has it; the normal stays the world's.
+fn turned(p: &SurfacePoint, [c, s]: [f64; 2]) -> SurfacePoint {
+    let turn = |x: f64, y: f64| (x * c + y * s, y * c - x * s);
+    let space = |v: DVec3| {
+        let (x, y) = turn(v.x, v.y);
+        DVec3::new(x, y, v.z)
+    };
+    let (u, v) = turn(p.uv_m.x, p.uv_m.y);
+    SurfacePoint { world_m: space(p.world_m), object_m: space(p.object_m), uv_m: DVec2::new(u, v), ..*p }
+}
+
 /// The smoothstep's mean under a spread of the argument: its borders move out by the hidden deviation.
 fn ramp(f: Filtered, from: f32, to: f32) -> Filtered {
     let (middle, half) = (f32::midpoint(from, to), (to - from) / 2.0);
@@ -463,6 +486,29 @@ mod tests {
         assert_mean_kept(&noise, 6.0, 0.08);
         assert_mean_kept(&noise.clone().ramp(0.1, 0.3), 6.0, 0.12);
         assert_mean_kept(&Field::Cracks { space: Space::World, seed: 3, cell_m: 2.0, width_m: 0.1 }, 0.2, 0.12);
+    }
+
+    #[test]
+    fn a_turned_field_is_the_field_at_the_turned_place() {
+        let along = [0.6, 0.8];
+        let streaks = Field::Noise(Fractal::new(Space::World, 9, 2.0, 2).stretched([1.0, 6.0, 1.0]));
+        let turned = Field::Turned { of: Box::new(streaks.clone()), along };
+        for (x, y) in [(3.1, -7.7), (120.3, 55.0)] {
+            // The place (u, v) of the turned frame is u along the direction and v to its left.
+            let world = at(x * 0.6 - y * 0.8, x * 0.8 + y * 0.6, 0.1);
+            let (a, b) = (turned.evaluate(&world, &[]).mean, streaks.evaluate(&at(x, y, 0.1), &[]).mean);
+            assert!((a - b).abs() < 1e-5, "{a} {b}");
+            let slope = turned.slope(&world).expect("known in closed form");
+            let e = 1e-3;
+            let value = |dx: f64, dy: f64| {
+                f64::from(turned.evaluate(&at(world.world_m.x + dx, world.world_m.y + dy, 0.1), &[]).mean)
+            };
+            let differences =
+                [(value(e, 0.0) - value(-e, 0.0)) / (2.0 * e), (value(0.0, e) - value(0.0, -e)) / (2.0 * e)];
+            for k in 0..2 {
+                assert!((slope[k] - differences[k]).abs() < 0.02, "{slope:?} for {differences:?}");
+            }
+        }
     }
 
     #[test]

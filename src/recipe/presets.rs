@@ -15,6 +15,7 @@ pub const PRESETS: &[Preset] = &[
     Preset { name: "satunreal", text: include_str!("../../presets/satunreal.toml") },
     Preset { name: "canyon", text: include_str!("../../presets/canyon.toml") },
     Preset { name: "toronto", text: include_str!("../../presets/toronto.toml") },
+    Preset { name: "desert", text: include_str!("../../presets/desert.toml") },
 ];
 
 impl Preset {

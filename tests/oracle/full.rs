@@ -77,6 +77,7 @@ fn reduced(name: &str, radius_m: f64) -> Region {
     match &mut region {
         Region::Canyon(p) => p.radius_m = radius_m,
         Region::Toronto(p) => p.radius_m = radius_m,
+        Region::Desert(p) => p.radius_m = radius_m,
     }
     region
 }

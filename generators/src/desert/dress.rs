@@ -1,0 +1,256 @@
+//! Materials of the desert: dune sand, slip faces, gravel flats, playa, tracks.
+
+use super::relief::Relief;
+use super::tracks::{MOST, REACH_M, Tracks};
+use crate::kit::terrain::noise::fractal;
+use crate::kit::terrain::sampling::smoothstep;
+use glam::DVec2;
+use rayon::prelude::*;
+use satseed_scene::{Bands, Class, Field, Fractal, Layer, Material, MaterialRaster, Raster, Rng, SeedPath, Space};
+
+/// Slots of the terrain's material set.
+pub(super) mod slot {
+    /// Sand that the wind shapes.
+    pub(in super::super) const SAND: u16 = 0;
+    /// Sand that slid.
+    pub(in super::super) const SLIP: u16 = 1;
+    /// Gravel flats and playa, thinly sanded over.
+    pub(in super::super) const FLAT: u16 = 2;
+}
+
+/// Thicker sand than this is sand, thinner sand on the flats is ground, m.
+pub(super) const SAND_FROM_M: f64 = 0.2;
+
+/// The only raster.
+const COVER: u32 = 0;
+
+/// Channels of the cover.
+mod channel {
+    /// How much sand covers the flats.
+    pub(super) const SAND: u8 = 0;
+    /// Playa among the flats.
+    pub(super) const PLAYA: u8 = 1;
+    /// Dark pavement among the flats.
+    pub(super) const PAVEMENT: u8 = 2;
+    /// Patches of brightness around one half.
+    pub(super) const TONE: u8 = 3;
+    /// Patches of hue around one half.
+    pub(super) const HUE: u8 = 4;
+    /// Stains of a few metres around one half.
+    pub(super) const STAIN: u8 = 5;
+    /// Streaks of dark grains along the wind.
+    pub(super) const MINERAL: u8 = 6;
+    /// Megaripples' coarse grains.
+    pub(super) const RIPPLES: u8 = 7;
+    /// Depth in the lee.
+    pub(super) const LEE: u8 = 8;
+    /// Whether a track is near.
+    pub(super) const TRACK: u8 = 9;
+    /// Signed distance of the first track; the others follow.
+    pub(super) const TRACKS: u8 = 10;
+}
+
+/// Distance of the raster's posts, m.
+const CELL_M: f64 = 1.0;
+
+type Post = [u8; MaterialRaster::CHANNELS];
+
+/// The raster that all materials read, over the whole scene.
+pub(super) fn cover(relief: &Relief, tracks: &Tracks, half_m: f64, dune_m: f64, path: &SeedPath) -> MaterialRaster {
+    let names = ["sand", "playa", "pavement", "tone", "hue", "stain", "mineral", "streamers"];
+    let seeds = names.map(|name| path.child(name).hash_u32());
+    let n = (2.0 * half_m / CELL_M) as usize + 1;
+    let shape = Raster::filled(DVec2::splat(-half_m), CELL_M, n, n, ());
+    let rows: Vec<Vec<Post>> = (0..n)
+        .into_par_iter()
+        .map(|j| (0..n).map(|i| bake(relief, &seeds, dune_m, shape.position(i, j))).collect())
+        .collect();
+    let mut cover = Raster { origin_m: shape.origin_m, cell_m: CELL_M, width: n, height: n, data: rows.concat() };
+    for (k, line) in tracks.lines.iter().enumerate() {
+        let mut nearest = vec![REACH_M as f32; n * n];
+        Tracks::distances(line, cover.origin_m, CELL_M, n, |i, j, distance| {
+            let (p, d) = (j * n + i, distance as f32);
+            if d.abs() < nearest[p].abs() {
+                nearest[p] = d;
+                cover.data[p][channel::TRACKS as usize + k] = in_255ths(0.5 + 0.5 * distance / REACH_M);
+                let near = in_255ths(smoothstep(0.85 * REACH_M, 0.5 * REACH_M, distance.abs()));
+                let all = &mut cover.data[p][channel::TRACK as usize];
+                *all = near.max(*all);
+            }
+        });
+    }
+    MaterialRaster::new(cover)
+}
+
+fn in_255ths(value: f64) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+/// The cover's channels at a place.
+fn bake(relief: &Relief, seeds: &[u32; 8], dune_m: f64, p: DVec2) -> Post {
+    let sand = relief.dunes.sand(p);
+    let q = relief.dunes.in_wind(p);
+    let ragged = |k: usize, wavelength_m: f64| fractal(p, seeds[k], wavelength_m, 4, 0.7);
+    let soft = |k: usize, wavelength_m: f64| fractal(p, seeds[k], wavelength_m, 3, 0.5);
+    // Streamers of sand over the flats, long with the wind.
+    let streamers = fractal(DVec2::new(q.x * 0.14, q.y), seeds[7], 7.0, 4, 0.62);
+    let thick = sand.thick_m / dune_m;
+    let covered = smoothstep(0.012, 0.075, thick + 0.045 * streamers + 0.03 * ragged(0, 9.0));
+    let bare = 1.0 - covered;
+    let playa =
+        smoothstep(0.02, 0.16, soft(1, 150.0) + 0.12 * ragged(1, 23.0) - 3.0 * thick) * smoothstep(0.1, 0.5, bare);
+    let pavement = smoothstep(-0.15, 0.35, ragged(2, 34.0));
+    // Dark minerals stay where the wind takes the light grains: along the lower windward side.
+    let mineral = smoothstep(0.05, 0.45, fractal(DVec2::new(q.x * 0.3, q.y), seeds[6], 11.0, 4, 0.6))
+        * smoothstep(0.7, 0.2, thick)
+        * smoothstep(0.03, 0.12, thick);
+    let values = [
+        covered,
+        playa,
+        pavement,
+        0.5 + 0.5 * soft(3, 28.0),
+        0.5 + 0.5 * soft(4, 110.0),
+        0.5 + 0.5 * fractal(p, seeds[5], 4.6, 2, 0.5),
+        mineral,
+        relief.ripple_field(p, &sand),
+        sand.lee / 6.0,
+        0.0,
+    ];
+    let mut post = Post::default();
+    for (channel, value) in post.iter_mut().zip(values) {
+        *channel = in_255ths(value);
+    }
+    // No track near: as far on its left as is told.
+    for k in 0..MOST {
+        post[channel::TRACKS as usize + k] = 255;
+    }
+    post
+}
+
+/// Colours of one desert.
+struct Palette {
+    sand: Bands,
+    gravel: Bands,
+    pavement: Bands,
+    playa: Bands,
+}
+
+/// From the buff of coasts to the red of old inland sand; what lies between the dunes is paler and greyer.
+fn palette(rng: &mut Rng) -> Palette {
+    let buff = Bands::new(0.185, 0.265, 0.355, 0.43);
+    let orange = Bands::new(0.125, 0.212, 0.345, 0.44);
+    let red = Bands::new(0.100, 0.168, 0.318, 0.42);
+    let t = rng.unit() as f32 * 2.0;
+    let sand = if t < 1.0 { buff.lerp(orange, t) } else { orange.lerp(red, 0.6 * (t - 1.0)) };
+    let bright = rng.range(0.92, 1.08) as f32;
+    let grey = Bands::new(0.175, 0.208, 0.238, 0.28);
+    Palette {
+        sand: sand * bright,
+        // Gravel takes some of the sand's hue: its dust.
+        gravel: grey.lerp(sand, rng.range(0.12, 0.35) as f32) * rng.range(0.9, 1.1) as f32,
+        pavement: Bands::new(0.115, 0.137, 0.160, 0.20).lerp(sand, rng.range(0.05, 0.2) as f32),
+        playa: Bands::new(0.265, 0.325, 0.375, 0.42).lerp(sand, rng.range(0.0, 0.25) as f32),
+    }
+}
+
+/// The terrain's materials by slot.
+pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<Material> {
+    let seed = |name: &str| path.child(name).hash_u32();
+    let k = contrast as f32;
+    let colors = palette(&mut path.child("palette").rng());
+    // Every colour stands as far from the sand's as the contrast says.
+    let apart = |c: Bands| colors.sand.lerp(c, k).map(|v| v.max(0.03));
+    let raster = |channel: u8| Field::Raster { raster: COVER, channel };
+    let product = Field::Product;
+    let along = |d: DVec2| [d.x, d.y];
+    let turned = |of: Field, d: DVec2| Field::Turned { of: Box::new(of), along: along(d) };
+    let wind = relief.dunes.along;
+    let crests = |name: &str, wavelength_m: f32, octaves: u8| {
+        turned(
+            Field::Noise(
+                Fractal::new(Space::Plan, seed(name), wavelength_m, octaves).stretched([1.0, 4.5, 1.0]).gain(0.6),
+            ),
+            wind,
+        )
+    };
+    let bare = || raster(channel::SAND).affine(-1.0, 1.0);
+    // Both ruts of every track, at 0.8 m on each side.
+    let rut = |track: usize, side: f32| {
+        let d = raster(channel::TRACKS + track as u8).affine(2.0 * REACH_M as f32 * side, -REACH_M as f32 * side);
+        product(vec![d.clone().ramp(0.55, 0.72), d.ramp(1.08, 0.91)])
+    };
+    let ruts = Field::Max((0..MOST).flat_map(|t| [rut(t, 1.0), rut(t, -1.0)]).collect());
+
+    let common = |m: Material| {
+        m
+            // Three scales: patches, stains, grain.
+            .with(Layer::Brightness { amount: raster(channel::TONE).affine(0.20 * k, -0.10 * k) })
+            .with(Layer::Brightness { amount: raster(channel::STAIN).affine(0.16 * k, -0.08 * k) })
+            .with(Layer::Tint {
+                tint: Bands::new(-0.7, -0.15, 0.45, 0.4),
+                amount: raster(channel::HUE).affine(0.24 * k, -0.12 * k),
+            })
+            .with(Layer::Brightness { amount: product(vec![raster(channel::TRACK), ruts.clone()]).times(-0.16 * k) })
+    };
+    let covers = |m: Material| {
+        m.with(Layer::Mix { color: apart(colors.gravel), amount: bare() })
+            .with(Layer::Mix {
+                color: apart(colors.pavement),
+                amount: product(vec![bare(), raster(channel::PAVEMENT)]).times(0.75),
+            })
+            .with(Layer::Mix { color: apart(colors.playa), amount: product(vec![bare(), raster(channel::PLAYA)]) })
+            .with(Layer::Mix { color: apart(colors.sand * 0.72), amount: raster(channel::MINERAL).times(0.65) })
+            .with(Layer::Mix {
+                color: apart(colors.sand.lerp(colors.gravel, 0.5) * 0.9),
+                amount: raster(channel::RIPPLES).times(0.45),
+            })
+    };
+    let sand = common(covers(Material::diffuse("dune sand", Class::Sand, colors.sand).rough(0.35)))
+        .with(Layer::Brightness { amount: crests("ripple tone", 2.1, 2).times(0.10 * k) })
+        .with(Layer::Brightness {
+            amount: Field::Noise(Fractal::new(Space::Plan, seed("grain"), 1.1, 2).gain(1.0)).times(0.10 * k),
+        })
+        .bumpy(crests("ripples", 1.5, 2), 0.07 * k);
+    let slip = common(Material::diffuse("slip face", Class::Sand, colors.sand).rough(0.35))
+        // Fresh sand, sorted: a little lighter, streaked downward.
+        .with(Layer::Brightness { amount: Field::Constant(0.03 * k) })
+        .with(Layer::Brightness {
+            amount: turned(
+                Field::Noise(Fractal::new(Space::Plan, seed("slides"), 1.4, 2).stretched([7.0, 1.0, 1.0]).gain(0.8)),
+                relief.dunes.last_wind,
+            )
+            .times(0.13 * k),
+        })
+        .with(Layer::Brightness {
+            amount: Field::Noise(Fractal::new(Space::Plan, seed("slip grain"), 1.0, 2)).times(0.06 * k),
+        });
+    let cracks =
+        |cell_m: f32, width_m: f32| Field::Cracks { space: Space::Plan, seed: seed("cracks"), cell_m, width_m };
+    let flat = common(covers(Material::diffuse("gravel and playa", Class::Ground, colors.sand).rough(0.4)))
+        .with(Layer::Brightness {
+            amount: product(vec![
+                bare(),
+                raster(channel::PLAYA).ramp(0.5, 0.85),
+                Field::Warped {
+                    of: Box::new(cracks(6.5, 0.30)),
+                    seed: seed("bend"),
+                    wavelength_m: 5.0,
+                    amplitude_m: 0.8,
+                },
+            ])
+            .times(-0.30 * k),
+        })
+        // Stones: darker and lighter specks, none on the playa.
+        .with(Layer::Brightness {
+            amount: product(vec![
+                bare(),
+                raster(channel::PLAYA).affine(-0.85, 1.0),
+                Field::Noise(Fractal::new(Space::Plan, seed("stones"), 1.4, 3).gain(0.95)).times(0.42 * k),
+            ]),
+        })
+        .with(Layer::Brightness {
+            amount: Field::Noise(Fractal::new(Space::Plan, seed("flat grain"), 1.2, 2).gain(1.0)).times(0.09 * k),
+        })
+        .bumpy(Field::Noise(Fractal::new(Space::Plan, seed("gravel"), 1.3, 2).gain(0.8)), 0.035 * k);
+    vec![sand, slip, flat]
+}
