@@ -106,7 +106,7 @@ impl Dunes {
             .map(|p| {
                 let slope = grid.gradient(&depth, p);
                 let facing = slope.dot(wind) / slope.length().max(1e-3);
-                (BODY_END[0] + (BODY_END[1] - BODY_END[0]) * smoothstep(0.5, -0.1, facing)) as f32
+                (BODY_END[0] + (BODY_END[1] - BODY_END[0]) * smoothstep(-0.25, -0.7, facing)) as f32
             })
             .collect();
         let end = grid.blurred(&end, 1.0);
@@ -162,7 +162,7 @@ impl Dunes {
         let [body, floor, depth, thick, end] = self.fields(p);
         let t = ((depth - BRINK_DEPTH) / end).clamp(0.0, 1.0);
         // Steepest at the brink: where a slip face is worth its name, it begins there and no lip stands over it.
-        let share = t * (2.0 - t);
+        let share = 1.0 - (1.0 - t) * (1.0 - t) * (1.0 - t);
         Sand { body_m: body + (floor - body) * share, lee: depth / BRINK_DEPTH, thick_m: thick }
     }
 
@@ -222,7 +222,7 @@ impl Dunes {
         runs(&exact, |a, b| {
             // The lee lies on the left.
             let inward = (b - a).normalize_or_zero().perp();
-            inward.dot(self.last_wind) > 0.05 && a.distance(b) > 0.2
+            inward.dot(self.last_wind) > -0.4 && a.distance(b) > 0.2
         })
     }
 

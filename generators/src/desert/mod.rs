@@ -106,12 +106,12 @@ impl Params {
 
     fn regime(&self, path: &SeedPath) -> Regime {
         let mut rng = path.rng();
-        let (hops, sweeps_a_wind, sweeps, mean): (&[[i32; 2]], _, _, _) = match self.variant {
-            Variant::Barchan => (&[[5, 0]], 1, 300, rng.range(4.0, 7.5)),
-            Variant::Transverse => (&[[5, 0]], 1, 300, rng.range(14.0, 20.0)),
-            Variant::Linear => (&[[3, 4], [3, -4]], 10, 300, rng.range(8.0, 12.0)),
+        let (hops, sweeps_a_wind, sweeps, mean, patch): (&[[i32; 2]], _, _, _, _) = match self.variant {
+            Variant::Barchan => (&[[5, 0]], 1, 300, rng.range(4.0, 7.5), [170.0, 1.0]),
+            Variant::Transverse => (&[[5, 0]], 1, 300, rng.range(14.0, 20.0), [170.0, 1.0]),
+            Variant::Linear => (&[[3, 4], [3, -4]], 6, 360, rng.range(8.0, 12.0), [46.0, 7.0]),
         };
-        Regime { hops: hops.to_vec(), sweeps_a_wind, sweeps, mean: mean * self.sand }
+        Regime { hops: hops.to_vec(), sweeps_a_wind, sweeps, mean: mean * self.sand, patch }
     }
 }
 

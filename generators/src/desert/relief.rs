@@ -125,7 +125,7 @@ impl Relief {
             return (0.0, 0.0);
         }
         // Trains of nearly even length whose phases wander: where two trains meet, crests fork.
-        let length_m = 3.4 + 1.2 * fractal(p, self.seeds.train ^ 1, 90.0, 2, 0.5);
+        let length_m = 3.3;
         let wander = |salt: u32| fractal(DVec2::new(q.x, q.y * 0.6), self.seeds.train ^ salt, 26.0, 2, 0.5) * 0.9;
         let wave = |salt: u32| {
             let turns = q.x / length_m + wander(salt);

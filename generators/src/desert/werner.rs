@@ -31,6 +31,8 @@ pub(super) struct Regime {
     pub(super) sweeps: usize,
     /// Mean thickness of the sand, slabs.
     pub(super) mean: f64,
+    /// Size of the patches that it lies in at first, cells across the mean wind, and how much longer they are along it.
+    pub(super) patch: [f64; 2],
 }
 
 impl Regime {
@@ -42,7 +44,7 @@ impl Regime {
 
 /// Slabs on a periodic square of `n` by `n` cells after the winds of a regime.
 pub(super) fn blow(n: usize, regime: &Regime, path: &SeedPath) -> Vec<u16> {
-    let mut field = Field { n, slabs: spread(n, regime.mean, path), lee: vec![false; n * n], line: vec![0.0; n * n] };
+    let mut field = Field { n, slabs: spread(n, regime, path), lee: vec![false; n * n], line: vec![0.0; n * n] };
     let mut rng = path.child("wind").rng();
     for sweep in 0..regime.sweeps {
         let hop = regime.hops[sweep / regime.sweeps_a_wind % regime.hops.len()];
@@ -75,18 +77,20 @@ pub(super) fn blow(n: usize, regime: &Regime, path: &SeedPath) -> Vec<u16> {
 }
 
 /// The sand before any wind: uneven over the scale of a few dunes, so that no two parts of a field look the same.
-fn spread(n: usize, mean: f64, path: &SeedPath) -> Vec<u16> {
+fn spread(n: usize, regime: &Regime, path: &SeedPath) -> Vec<u16> {
     let mut rng = path.child("sand").rng();
     let seed = path.child("patches").hash_u32();
     (0..n * n)
         .map(|p| {
             // The noise does not repeat where the grid does: blended into its own other end.
-            let at = |i: usize, j: usize| fractal(DVec2::new(i as f64, j as f64), seed, 170.0, 3, 0.5);
+            let at = |i: usize, j: usize| {
+                fractal(DVec2::new(i as f64 / regime.patch[1], j as f64), seed, regime.patch[0], 3, 0.5)
+            };
             let (i, j) = (p % n, p / n);
             let w = (i as f64 / n as f64, j as f64 / n as f64);
             let x = |j: usize| at(i + n, j) * (1.0 - w.0) + at(i, j) * w.0;
             let uneven = x(j + n) * (1.0 - w.1) + x(j) * w.1;
-            let thick = mean * (1.0 + 1.5 * uneven).max(0.0);
+            let thick = regime.mean * (1.0 + 1.5 * uneven).max(0.0);
             (thick + rng.unit()) as u16
         })
         .collect()
@@ -219,14 +223,14 @@ mod tests {
     use super::*;
 
     fn regime(mean: f64) -> Regime {
-        Regime { hops: vec![[5, 0]], sweeps_a_wind: 1, sweeps: 120, mean }
+        Regime { hops: vec![[5, 0]], sweeps_a_wind: 1, sweeps: 120, mean, patch: [170.0, 1.0] }
     }
 
     #[test]
     fn sand_is_kept_and_rests() {
         let path = SeedPath::root("slabs", 3);
         let n = 96;
-        let before: u64 = spread(n, 6.0, &path).iter().map(|s| u64::from(*s)).sum();
+        let before: u64 = spread(n, &regime(6.0), &path).iter().map(|s| u64::from(*s)).sum();
         let slabs = blow(n, &regime(6.0), &path);
         assert_eq!(slabs.iter().map(|s| u64::from(*s)).sum::<u64>(), before);
         for p in 0..n * n {
