@@ -3,11 +3,15 @@
 
 #![allow(clippy::print_stderr)]
 
+use glam::DVec3;
+use satseed::camera::{Datum, RigSpec, StereoRig};
 use satseed::dataset::SceneFigures;
 use satseed::dataset::formats::HeightMap;
-use satseed::labels::{SurfaceModels, surface_models};
+use satseed::labels::{Extra, SurfaceModels, Validity, View, extract, surface_models};
+use satseed::render::{Image, Sensor, Settings, render};
 use satseed_generators::Region;
-use satseed_scene::Raster;
+use satseed_scene::{Environment, Raster, SeedPath};
+use satseed_tracer::Tracer;
 
 /// Surface models of a scene with cells of `cell_m`, and its figures.
 fn figures(region: &Region, seed: u64, cell_m: f64) -> (SurfaceModels, SceneFigures) {
@@ -67,5 +71,103 @@ fn canyon() {
         assert!((0.05..=0.15).contains(&steep), "seed {seed}: steeper than 60 degrees {steep}");
         assert_eq!(f.towers, 0, "seed {seed}");
         assert!(several_layers(&models) > 0.0, "seed {seed}: shrubs and blocks stand over the ground");
+    }
+}
+
+/// Slopes of the map's cells in whole degrees, counted.
+fn slope_histogram(map: &Raster<f32>) -> [usize; 91] {
+    let mut bins = [0; 91];
+    for j in 1..map.height - 1 {
+        for i in 1..map.width - 1 {
+            let d = |a: f32, b: f32| f64::from(b - a) / (2.0 * map.cell_m);
+            let (x, y) = (d(map.get(i - 1, j), map.get(i + 1, j)), d(map.get(i, j - 1), map.get(i, j + 1)));
+            bins[libm::atan((x * x + y * y).sqrt()).to_degrees() as usize] += 1;
+        }
+    }
+    bins
+}
+
+/// Bits of the green band's histogram.
+fn entropy(image: &Image) -> f64 {
+    let mut counts = [0_u32; 256];
+    image.rgb.chunks_exact(3).for_each(|p| counts[usize::from(p[1])] += 1);
+    let n = f64::from(image.width * image.height);
+    counts.iter().filter(|c| **c > 0).map(|c| f64::from(*c) / n).map(|p| -p * libm::log2(p)).sum()
+}
+
+/// Share of the 9 x 9 windows of the green band whose deviation is at least 1.5 times that of the sensor's noise there,
+/// which two images of the same place with other noise tell.
+fn matchable(a: &Image, b: &Image) -> f64 {
+    let (width, side) = (a.width as usize, 9);
+    let green = |image: &Image, i: usize, j: usize| f64::from(image.rgb[3 * (j * width + i) + 1]);
+    let (mut good, mut all) = (0, 0);
+    for j in (0..a.height as usize - side).step_by(4) {
+        for i in (0..width - side).step_by(4) {
+            let cells = || (0..side * side).map(|k| (i + k % side, j + k / side));
+            let n = (side * side) as f64;
+            let mean = cells().map(|(x, y)| green(a, x, y)).sum::<f64>() / n;
+            let square = |v: f64| v * v;
+            let variance = cells().map(|(x, y)| square(green(a, x, y) - mean)).sum::<f64>() / n;
+            let noise = cells().map(|(x, y)| square(green(a, x, y) - green(b, x, y))).sum::<f64>() / (2.0 * n);
+            all += 1;
+            good += u32::from(variance >= 1.5 * 1.5 * noise);
+        }
+    }
+    f64::from(good) / f64::from(all)
+}
+
+/// Form over the circle of full detail; light, occlusion and texture of a frame's middle.
+#[test]
+#[ignore = "over a minute a desert without optimisation: run by ./check --long"]
+fn desert() {
+    for (seed, variant) in [1, 2, 3, 4, 5].into_iter().zip(["barchan", "transverse", "linear", "barchan", "barchan"]) {
+        let mut region = Region::by_name("desert").expect("registered");
+        let Region::Desert(p) = &mut region else { unreachable!("asked for by name") };
+        p.variant = match variant {
+            "transverse" => satseed_generators::desert::Variant::Transverse,
+            "linear" => satseed_generators::desert::Variant::Linear,
+            _ => satseed_generators::desert::Variant::Barchan,
+        };
+        let (models, f) = figures(&region, seed, 0.5);
+        assert!((9.0..=28.0).contains(&f.relief_m), "seed {seed}: relief {} m", f.relief_m);
+        let bins = slope_histogram(&models.dtm_m);
+        let peak = (20..91).max_by_key(|k| bins[*k]).expect("bins");
+        let steep = bins[35..].iter().sum::<usize>() as f64 / bins.iter().sum::<usize>() as f64;
+        assert!((32..34).contains(&peak), "seed {seed}: slip faces at {peak} degrees");
+        assert!(steep < 2e-3, "seed {seed}: {steep} steeper than 35 degrees");
+
+        let scene = region.build(seed);
+        let tracer = Tracer::new(&scene);
+        let rig = StereoRig::new(RigSpec {
+            altitude_m: 1000.0,
+            gsd_m: 0.3,
+            size_px: [512, 512],
+            baseline_m: 200.0,
+            azimuth_rad: 0.6,
+            pivot_along_baseline: 0.5,
+            pivot_m: DVec3::new(0.0, 0.0, scene.pivot_height_m),
+            datum: Datum::Height(scene.pivot_height_m),
+        });
+        let environment = Environment {
+            sun_elevation_rad: 42.0_f64.to_radians(),
+            sun_azimuth_rad: 145.0_f64.to_radians(),
+            aerosol_optical_depth: 0.12,
+        };
+        let labels = extract(&tracer, &rig, View::Left, &environment, Extra::default());
+        let occluded = labels.validity.iter().filter(|v| **v == Validity::Occluded as u8).count() as f64
+            / labels.validity.len() as f64;
+        let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
+        let picture = |name: &str| {
+            render(&tracer, View::Left.cameras(&rig).0, &environment, settings, &SeedPath::root(name, seed))
+        };
+        let (a, b) = (picture("acceptance"), picture("acceptance, again"));
+        let (bits, textured) = (entropy(&a), matchable(&a, &b));
+        eprintln!(
+            "desert/{variant} {seed}: slip faces {peak} deg, over 35 deg {steep:.5}, occluded {occluded:.5}, \
+             entropy {bits:.2}, textured {textured:.3}"
+        );
+        assert!(occluded < 0.01, "seed {seed}: occluded {occluded}");
+        assert!((4.8..=6.3).contains(&bits), "seed {seed}: entropy {bits}");
+        assert!(textured >= 0.6, "seed {seed}: textured {textured}");
     }
 }

@@ -209,3 +209,9 @@ fn full_canyons_are_whole() {
 fn full_torontos_are_whole() {
     full_region("toronto");
 }
+
+#[test]
+#[ignore = "long: 5 * 10^7 rays at regions of full size"]
+fn full_deserts_are_whole() {
+    full_region("desert");
+}

@@ -42,12 +42,10 @@ mod channel {
     pub(super) const MINERAL: u8 = 6;
     /// Megaripples' coarse grains.
     pub(super) const RIPPLES: u8 = 7;
-    /// Depth in the lee.
-    pub(super) const LEE: u8 = 8;
     /// Whether a track is near.
-    pub(super) const TRACK: u8 = 9;
+    pub(super) const TRACK: u8 = 8;
     /// Signed distance of the first track; the others follow.
-    pub(super) const TRACKS: u8 = 10;
+    pub(super) const TRACKS: u8 = 9;
 }
 
 /// Distance of the raster's posts, m.
@@ -113,7 +111,6 @@ fn bake(relief: &Relief, seeds: &[u32; 8], dune_m: f64, p: DVec2) -> Post {
         0.5 + 0.5 * fractal(p, seeds[5], 4.6, 2, 0.5),
         mineral,
         relief.ripple_field(p, &sand),
-        sand.lee / 6.0,
         0.0,
     ];
     let mut post = Post::default();
