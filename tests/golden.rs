@@ -117,11 +117,6 @@ fn toronto() {
     check("toronto");
 }
 
-#[test]
-fn desert() {
-    check("desert");
-}
-
 /// The platform's libm picks other code on processors without FMA; ours must not notice. The masked run is this test
 /// binary again, against the same files.
 #[test]
@@ -131,11 +126,11 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "canyon", "toronto", "desert"])
+        .args(["--exact", "canyon", "toronto"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()
         .expect("the test binary runs");
     let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success() && text.contains("3 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && text.contains("2 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
 }
