@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use satseed::camera::{Datum, RigSpec, StereoRig};
 use satseed::labels::{Extra, View, ViewLabels, extract};
-use satseed::render::{Sensor, Settings, render};
+use satseed::render::{AmbientMode, Lighting, Sensor, Settings, render};
 use satseed_generators::Region;
 use satseed_scene::{Environment, SeedPath};
 use satseed_tracer::Tracer;
@@ -47,6 +47,7 @@ fn report(name: &str) -> String {
     });
     let environment = Environment { sun_elevation_rad: 0.733, sun_azimuth_rad: 2.53, aerosol_optical_depth: 0.12 };
     let all = Extra { elevation: true, class: true, instance: true, normal: true, shadow: true, edge: true };
+    let lighting = Lighting::new(&environment, AmbientMode::PerScene, scene.full_detail_radius_m);
     let mut text = String::new();
     let mut line = |key: &str, bytes: &[u8]| {
         writeln!(text, "{key} {}", blake3::hash(bytes).to_hex()).expect("a string takes all");
@@ -57,7 +58,7 @@ fn report(name: &str) -> String {
         line(&format!("{side} labels"), &label_bytes(&labels));
         let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
         let noise = SeedPath::root("golden", SEED).child(side);
-        let image = render(&tracer, view.cameras(&rig).0, &environment, settings, &noise);
+        let image = render(&tracer, view.cameras(&rig).0, &lighting, settings, &noise);
         line(&format!("{side} image"), &image.rgb);
     }
     format!("version {}\n{text}", region.version())

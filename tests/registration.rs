@@ -10,7 +10,7 @@ mod support;
 use glam::{DAffine3, DVec2, DVec3};
 use satseed::camera::{Datum, StereoRig};
 use satseed::labels::{Extra, Validity, View, ViewLabels, extract};
-use satseed::render::{Image, Sensor, Settings, render};
+use satseed::render::{AmbientMode, Image, Lighting, Sensor, Settings, render};
 use satseed_generators::Region;
 use satseed_scene::{
     Bands, Class, Environment, Field, Fractal, Layer, Material, Scene, SeedPath, Space, gradient_noise_2d,
@@ -120,7 +120,8 @@ fn robust_shift(samples: &[(DVec2, f64)]) -> DVec2 {
 fn images(scene: &Scene, rig: &StereoRig, sensor: Sensor, samples: u32, sun: &Environment) -> (Grey, Grey, ViewLabels) {
     let tracer = Tracer::new(scene);
     let settings = Settings { samples_per_pixel: samples, sensor };
-    let shot = |camera, side| Grey::of(&render(&tracer, camera, sun, settings, &SeedPath::root(side, 5)));
+    let lighting = Lighting::new(sun, AmbientMode::PerScene, scene.full_detail_radius_m);
+    let shot = |camera, side| Grey::of(&render(&tracer, camera, &lighting, settings, &SeedPath::root(side, 5)));
     let extra = Extra { edge: true, ..Extra::default() };
     (shot(&rig.left, "left"), shot(&rig.right, "right"), extract(&tracer, rig, View::Left, sun, extra))
 }

@@ -66,7 +66,7 @@ fn image(scene: &BuiltScene<'_>, pair: &PairSpec, rig: &StereoRig, view: View) -
     };
     // The noise of an image is keyed by who it is, so it is the same in shards and when one sample is made again.
     let noise = SeedPath::root("sensor", scene.spec.seed).child(&pair.id).child(view.name());
-    let image = render(&scene.tracer, camera, &scene.environment, scene.recipe.sensor().settings(), &noise);
+    let image = render(&scene.tracer, camera, &scene.lighting, scene.recipe.sensor().settings(), &noise);
     Plane { width: image.width, height: image.height, pixels: Pixels::Rgb(image.rgb) }
 }
 

@@ -20,7 +20,7 @@ mod write;
 
 pub use load::{Changes, MAX_SEED_LIST_BYTES};
 pub use parts::{
-    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
+    Acquisition, Ambient, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
     PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
 };
 pub use presets::{PRESETS, Preset};

@@ -194,27 +194,6 @@ pub enum PivotAlongBaseline {
     Random,
 }
 
-/// `[light]`: sun and air, the same for all pairs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
-    /// Sun's elevation above the horizon, degrees, 10..90.
-    pub sun_elevation_deg: f64,
-    /// Sun's azimuth clockwise from north, degrees, -360..360.
-    pub sun_azimuth_deg: f64,
-    /// Aerosol optical depth at 550 nm, 0..1.
-    pub aerosol_optical_depth: f64,
-}
-
-impl From<&Light> for Environment {
-    fn from(light: &Light) -> Self {
-        Self {
-            sun_elevation_rad: light.sun_elevation_deg.to_radians(),
-            sun_azimuth_rad: light.sun_azimuth_deg.to_radians(),
-            aerosol_optical_depth: light.aerosol_optical_depth,
-        }
-    }
-}
-
 /// Enums that a recipe names by a word: the words stand in one place.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $word:literal,)* }) => {
@@ -236,6 +215,49 @@ macro_rules! words {
             }
         }
     };
+}
+
+words! {
+    /// How the light of the sky and of the surfaces around is worked out.
+    Ambient {
+        /// Once per scene, on a lattice in the world that all views share: smooth shadows.
+        PerScene = "per-scene",
+        /// By one more ray for each sample: the reference, with noise in the shade.
+        PerSample = "per-sample",
+    }
+}
+
+/// `[light]`: sun and air, the same for all pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Sun's elevation above the horizon, degrees, 10..90.
+    pub sun_elevation_deg: f64,
+    /// Sun's azimuth clockwise from north, degrees, -360..360.
+    pub sun_azimuth_deg: f64,
+    /// Aerosol optical depth at 550 nm, 0..1.
+    pub aerosol_optical_depth: f64,
+    /// How the light of the sky and of the surfaces around is worked out.
+    pub ambient: Ambient,
+}
+
+impl Light {
+    /// What the renderer takes.
+    pub fn ambient_mode(&self) -> render::AmbientMode {
+        match self.ambient {
+            Ambient::PerScene => render::AmbientMode::PerScene,
+            Ambient::PerSample => render::AmbientMode::PerSample,
+        }
+    }
+}
+
+impl From<&Light> for Environment {
+    fn from(light: &Light) -> Self {
+        Self {
+            sun_elevation_rad: light.sun_elevation_deg.to_radians(),
+            sun_azimuth_rad: light.sun_azimuth_deg.to_radians(),
+            aerosol_optical_depth: light.aerosol_optical_depth,
+        }
+    }
 }
 
 words! {

@@ -2,8 +2,8 @@
 
 use super::node::{Entry, Node, Table, Value};
 use super::parts::{
-    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PivotAlongBaseline,
-    Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
+    Acquisition, Ambient, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light,
+    PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
 };
 use super::reader::{Reader, number, whole, word, wrong};
 use super::region::region_from;
@@ -231,6 +231,7 @@ fn light(mut table: Reader) -> Result<Light, RecipeError> {
         sun_elevation_deg: sun.number_or("elevation_deg", 10.0..=90.0, 42.0)?,
         sun_azimuth_deg: sun.number_or("azimuth_deg", -360.0..=360.0, 145.0)?,
         aerosol_optical_depth: table.number_or("aerosol_optical_depth", 0.0..=1.0, 0.12)?,
+        ambient: table.word("ambient", Ambient::ALL)?.unwrap_or(Ambient::PerScene),
     };
     sun.finish()?;
     table.finish()?;

@@ -56,6 +56,7 @@ impl Recipe {
         let (elevation, azimuth) = (light.sun_elevation_deg, light.sun_azimuth_deg);
         writeln!(out, "sun = {{ elevation_deg = {elevation:?}, azimuth_deg = {azimuth:?} }}")?;
         writeln!(out, "aerosol_optical_depth = {:?}", light.aerosol_optical_depth)?;
+        writeln!(out, "ambient = \"{}\"", light.ambient.word())?;
         writeln!(out, "\n[sensor]\npreset = \"{}\"", self.sensor.preset.word())?;
         writeln!(out, "samples_per_pixel = {}", self.sensor.samples_per_pixel)?;
         let labels: Vec<_> = self.labels.write.iter().map(|l| l.word()).collect();

@@ -1,6 +1,6 @@
 //! Samples to pixels: a fine grid, the optics' blur, decimation.
 
-use super::light::Light;
+use super::Lighting;
 use super::sampling::Sample;
 use super::shading::radiance;
 use crate::camera::Camera;
@@ -42,7 +42,7 @@ impl Grid {
 
 /// Traces all samples of a frame and lets the optics blur them. The blur is a Gaussian of `sigma_px` on top of the
 /// pixel's own box. A margin around the frame is traced too, so that borders are blurred as the middle is.
-pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u32, sigma_px: f64) -> Radiance {
+pub(super) fn expose(tracer: &Tracer, camera: &Camera, lighting: &Lighting, samples: u32, sigma_px: f64) -> Radiance {
     let grid = Grid::new(samples);
     let sigma = sigma_px * f64::from(grid.fine);
     let (kernel, margin) = (kernel(sigma, grid.fine), reach(sigma));
@@ -59,7 +59,7 @@ pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u
                 (0..width as usize).map(|u| weighted(&kernel, &fine[u * grid.fine as usize..])).collect()
             };
             let length = columns.len();
-            cells(tracer, camera, light, grid, columns, rows).chunks(length).map(blur).collect()
+            cells(tracer, camera, lighting, grid, columns, rows).chunks(length).map(blur).collect()
         })
         .collect();
     let rows: Vec<Vec<Bands>> = bands.into_iter().flatten().collect();
@@ -107,7 +107,7 @@ fn kernel(sigma: f64, fine: u32) -> Vec<f32> {
 fn cells(
     tracer: &Tracer,
     camera: &Camera,
-    light: &Light,
+    lighting: &Lighting,
     grid: Grid,
     columns: Range<i32>,
     rows: Range<i32>,
@@ -127,7 +127,7 @@ fn cells(
             .collect();
         for index in 0..count {
             let samples: Vec<Sample> =
-                tile.iter().map(|(column, row)| Sample::new(*column, *row, index, count, key)).collect();
+                tile.iter().map(|(column, row)| Sample::new(*column, *row, index, key)).collect();
             let ray = |((column, row), sample): (&(i32, i32), &Sample)| {
                 let jitter = sample.square(0);
                 let place = |base: i32, step: u32, jitter: f64| {
@@ -136,7 +136,7 @@ fn cells(
                 camera.ray(place(*column, index % grid.side, jitter.x), place(*row, index / grid.side, jitter.y))
             };
             let rays: Vec<Ray> = tile.iter().zip(&samples).map(ray).collect();
-            for ((column, row), value) in tile.iter().zip(radiance(tracer, light, &rays, spread, &samples)) {
+            for ((column, row), value) in tile.iter().zip(radiance(tracer, lighting, &rays, spread, &samples)) {
                 means[(row - rows.start) as usize * columns.len() + (column - columns.start) as usize] += value;
             }
         }

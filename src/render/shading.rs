@@ -1,5 +1,7 @@
 //! Radiance of one ray.
 
+use super::Lighting;
+use super::ambient::Ask;
 use super::light::Light;
 use super::sampling::{Sample, cosine_direction, disc_direction};
 use glam::{DVec2, DVec3};
@@ -12,7 +14,6 @@ const INV_PI: f32 = core::f32::consts::FRAC_1_PI;
 mod purpose {
     pub(super) const SUN: u32 = 1;
     pub(super) const SKY: u32 = 2;
-    pub(super) const SIDE: u32 = 3;
     pub(super) const BOUNCE_SUN: u32 = 4;
 }
 
@@ -25,7 +26,14 @@ struct Lit {
 
 /// Radiance at the ground along camera rays, W / (m^2 sr um). `spread` is the footprint's growth per metre. Neighbouring
 /// rays cost least.
-pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64, samples: &[Sample]) -> Vec<Bands> {
+pub(super) fn radiance(
+    tracer: &Tracer,
+    lighting: &Lighting,
+    rays: &[Ray],
+    spread: f64,
+    samples: &[Sample],
+) -> Vec<Bands> {
+    let light = &lighting.light;
     let points: Vec<Option<Lit>> = tracer
         .closest_all(rays)
         .into_iter()
@@ -46,7 +54,7 @@ pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64
     let mut sunward = Vec::with_capacity(rays.len());
     for (i, point) in points.iter().enumerate() {
         let Some(Lit { hit, shade, origin }) = point else { continue };
-        let (to_sun, radiance) = sunlit(light, hit, shade, rays[i].direction, &samples[i], purpose::SUN);
+        let (to_sun, radiance) = sunlit(light, hit, shade, rays[i].direction, samples[i].square(purpose::SUN));
         if radiance.max_band() > 0.0 {
             scattered.push((i, radiance));
             sunward.push((*origin, to_sun));
@@ -57,9 +65,10 @@ pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64
             sums[i] = radiance;
         }
     }
-    // One direction of the dome for each point, and the mirrored one where a surface has a coat.
+    // The mirrored direction where a surface has a coat; the dome from what the scene's views share, or one direction of it.
     let mut asked: Vec<(usize, Bands)> = Vec::with_capacity(rays.len());
     let mut outward: Vec<(Origin, DVec3)> = Vec::with_capacity(rays.len());
+    let mut sides: Vec<(usize, Side)> = Vec::with_capacity(rays.len());
     for (i, point) in points.iter().enumerate() {
         let Some(Lit { hit, shade, origin }) = point else { continue };
         let mut clear = 1.0;
@@ -72,16 +81,57 @@ pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64
             asked.push((i, Bands::grey(fresnel)));
             outward.push((*origin, (view + shade.normal * (2.0 * cos)).normalize()));
         }
-        if let Some((direction, weight)) = dome(hit, shade, &samples[i]) {
-            asked.push((i, weight * clear));
+        sides.extend(Side::of(hit, shade, clear).into_iter().flatten().map(|side| (i, side)));
+    }
+    let known = match &lighting.ambient {
+        Some(ambient) => {
+            let asks: Vec<Ask> = sides.iter().map(|(_, side)| side.ask).collect();
+            ambient.irradiance(tracer, light, &asks)
+        }
+        None => vec![None; sides.len()],
+    };
+    for ((i, side), irradiance) in sides.iter().zip(known) {
+        if let Some(irradiance) = irradiance {
+            sums[*i] += side.scattered * irradiance * INV_PI;
+        } else if let Some(Lit { origin, .. }) = &points[*i]
+            && let Some(direction) = side.direction(&samples[*i])
+        {
+            asked.push((*i, side.scattered));
             outward.push((*origin, direction));
         }
     }
-    let incoming = incoming(tracer, light, &outward, |k| &samples[asked[k].0]);
+    let incoming = incoming(tracer, light, &outward, |k| samples[asked[k].0].square(purpose::BOUNCE_SUN));
     for ((i, weight), incoming) in asked.iter().zip(incoming) {
         sums[*i] += *weight * incoming;
     }
     sums
+}
+
+/// A side of a surface that the dome lights, and how much of it goes on to the viewer.
+struct Side {
+    ask: Ask,
+    scattered: Bands,
+}
+
+impl Side {
+    /// The viewer's side, and a leaf's other one. `clear` is what a coat lets through.
+    fn of(hit: &Hit, shade: &Shade, clear: f32) -> [Option<Self>; 2] {
+        let ask = Ask { point_m: hit.point, geometric: hit.normal, normal: shade.normal, leaf: false };
+        let side = |ask, scattered: Bands| Some(Self { ask, scattered: scattered * clear });
+        match shade.brdf {
+            Brdf::Leaf { transmission } => {
+                let behind = Ask { geometric: -hit.normal, normal: -shade.normal, leaf: true, ..ask };
+                [side(Ask { leaf: true, ..ask }, shade.albedo), side(behind, transmission)]
+            }
+            _ => [side(ask, shade.albedo), None],
+        }
+    }
+
+    /// One direction of this side's dome, with density cos / pi; none where a bump turned it into the surface.
+    fn direction(&self, sample: &Sample) -> Option<DVec3> {
+        let direction = cosine_direction(self.ask.normal, sample.square(purpose::SKY));
+        (direction.dot(self.ask.geometric) > 0.0).then_some(direction)
+    }
 }
 
 /// The material at a hit over a footprint (m, square on), and the start of the rays that leave it.
@@ -136,9 +186,9 @@ fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -> (Shade, O
     (shade, Origin::on(hit))
 }
 
-/// A direction to the sun's disc, and the radiance scattered from there if nothing stands between.
-fn sunlit(light: &Light, hit: &Hit, shade: &Shade, view: DVec3, sample: &Sample, purpose: u32) -> (DVec3, Bands) {
-    let to_sun = disc_direction(light.sun, Environment::SUN_ANGULAR_RADIUS_RAD, sample.square(purpose));
+/// A direction to the sun's disc, chosen by a point of the unit square, and the radiance scattered from there if nothing stands between.
+fn sunlit(light: &Light, hit: &Hit, shade: &Shade, view: DVec3, square: DVec2) -> (DVec3, Bands) {
+    let to_sun = disc_direction(light.sun, Environment::SUN_ANGULAR_RADIUS_RAD, square);
     (to_sun, light.sun_irradiance * scatter(shade, hit.normal, to_sun, view))
 }
 
@@ -186,34 +236,16 @@ pub(super) fn fresnel(cos: f32, index: f32) -> f32 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// One direction of the sky's dome and what stands before it, and how much of the radiance from there is scattered to
-/// the viewer; none where a bump turned the direction into the surface.
-fn dome(hit: &Hit, shade: &Shade, sample: &Sample) -> Option<(DVec3, Bands)> {
-    let (normal, weight) = match shade.brdf {
-        Brdf::Leaf { transmission } => {
-            if sample.line(purpose::SIDE) < 0.5 {
-                (shade.normal, shade.albedo * 2.0)
-            } else {
-                (-shade.normal, transmission * 2.0)
-            }
-        }
-        _ => (shade.normal, shade.albedo),
-    };
-    let direction = cosine_direction(normal, sample.square(purpose::SKY));
-    let above = direction.dot(hit.normal) > 0.0;
-    (above == (normal.dot(hit.normal) > 0.0)).then_some((direction, weight))
-}
-
 /// Least footprint at which a surface lights another, m.
 const BOUNCE_FOOTPRINT_M: f64 = 1.5;
 
-/// Radiance that arrives at surface points from directions: sky, or the sunlit and sky-lit surface that hides it. `sample`
-/// gives the random numbers of the k-th.
-fn incoming<'a>(
+/// Radiance that arrives at surface points from directions: sky, or the sunlit and sky-lit surface that hides it. `square`
+/// gives the point of the unit square that chooses the k-th one's place on the sun's disc.
+pub(super) fn incoming(
     tracer: &Tracer,
     light: &Light,
     from: &[(Origin, DVec3)],
-    sample: impl Fn(usize) -> &'a Sample,
+    square: impl Fn(usize) -> DVec2,
 ) -> Vec<Bands> {
     let mut sums = Vec::with_capacity(from.len());
     let mut sunlit_from = Vec::new();
@@ -228,7 +260,7 @@ fn incoming<'a>(
         let (shade, start) = surface(tracer, &ray, &hit, BOUNCE_FOOTPRINT_M.max(0.3 * hit.t));
         // Half the dome, for a wall sees half of it and a street less: the series of further bounces ends here.
         sums.push(shade.albedo * light.sky_irradiance * (0.5 * INV_PI));
-        let (to_sun, radiance) = sunlit(light, &hit, &shade, *direction, sample(k), purpose::BOUNCE_SUN);
+        let (to_sun, radiance) = sunlit(light, &hit, &shade, *direction, square(k));
         if radiance.max_band() > 0.0 {
             sunlit_from.push((k, radiance));
             sunward.push((start, to_sun));
@@ -261,7 +293,7 @@ mod tests {
         let count = 2000;
         let reflected: f64 = (0..count)
             .map(|i| {
-                let d = cosine_direction(n, Sample::new(0, 0, i, count, 0).square(0));
+                let d = cosine_direction(n, Sample::new(0, 0, i, 0).square(0));
                 f64::from(oren_nayar(0.5, n, d, view))
             })
             .sum::<f64>()
@@ -306,12 +338,15 @@ mod tests {
         let count = 4096;
         let (mut sun, mut sky) = (0.0, 0.0);
         for i in 0..count {
-            let sample = Sample::new(1, 1, i, count, 5);
-            let (to_sun, radiance) = sunlit(&light, &hit, &shade, ray.direction, &sample, purpose::SUN);
+            let sample = Sample::new(1, 1, i, 5);
+            let (to_sun, radiance) = sunlit(&light, &hit, &shade, ray.direction, sample.square(purpose::SUN));
             assert!(!tracer.blocked(&origin, to_sun, 1e4));
             sun += radiance[1];
-            if let Some((direction, weight)) = dome(&hit, &shade, &sample) {
-                sky += (weight * incoming(&tracer, &light, &[(origin, direction)], |_| &sample)[0])[1];
+            let [side, _] = Side::of(&hit, &shade, 1.0);
+            let side = side.expect("every surface has one");
+            if let Some(direction) = side.direction(&sample) {
+                let square = sample.square(purpose::BOUNCE_SUN);
+                sky += (side.scattered * incoming(&tracer, &light, &[(origin, direction)], |_| square)[0])[1];
             }
         }
         let n = count as f32;
