@@ -9,9 +9,9 @@ use satseed_scene::{Bands, Brdf, Ray};
 use satseed_tracer::{Hit, Origin, Tracer};
 
 /// Directions over the whole sphere; a node uses those before its own surface.
-const DIRECTIONS: u32 = 96;
+const DIRECTIONS: u32 = 64;
 /// The same for leaves.
-const DIRECTIONS_OF_LEAVES: u32 = 40;
+const DIRECTIONS_OF_LEAVES: u32 = 32;
 /// Least cosine between a surface and the axis of its lattice: who asks there has at least 1 / sqrt(3).
 const LEAST_LEAN: f64 = 0.4;
 /// Least cosine between a node's surface and a direction that it uses.
@@ -110,18 +110,18 @@ impl Node {
 /// The nodes of one block.
 #[derive(Debug)]
 pub(super) struct Block {
-    nodes: Vec<Node>,
-    /// For each place the number of its node; none where no surface is.
-    places: [u8; NODES],
+    pub(super) nodes: Vec<Node>,
+    pub(super) places: Places,
 }
 
-const NODES: usize = (SIDE * SIDE) as usize;
+/// For each place of a block the number of its node; beyond the last where no surface is.
+pub(super) type Places = [u8; NODES];
+
+/// Places of a block.
+pub(super) const NODES: usize = (SIDE * SIDE) as usize;
 const NONE: u8 = u8::MAX;
 
 impl Block {
-    /// Bytes of a full block and what a map adds.
-    pub(super) const MOST_BYTES: usize = NODES * size_of::<Node>() + size_of::<Self>() + 64;
-
     /// Works out all nodes of a block.
     pub(super) fn new(tracer: &Tracer, light: &Light, dome: &Dome, key: BlockKey) -> Self {
         let (outward, dome) = (key.face.direction(), dome.of(key.scale));
@@ -165,7 +165,6 @@ impl Block {
                 vector[2] += arriving * d.z;
             }
         }
-        nodes.shrink_to_fit();
         Self { nodes, places }
     }
 

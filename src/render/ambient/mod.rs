@@ -3,7 +3,7 @@
 //! It does not depend on the camera, and a scene serves hundreds of views: so it is known on a lattice in the world and
 //! interpolated. A surface point asks the lattice of the axis that its normal leans to most. On that axis's lattice lines,
 //! 1 m apart, a node is the first surface that faces the asker's way inside a slab of 2 m; it holds the vector irradiance
-//! (Lambert's light vector, Gershun 1939) of 96 fixed directions, so that a bumpy normal is answered too: `E = n . V`.
+//! (Lambert's light vector, Gershun 1939) of 64 fixed directions, so that a bumpy normal is answered too: `E = n . V`.
 //! Leaves have a wider lattice of fewer directions.
 //!
 //! A block of 4 x 4 nodes is a pure function of the scene, its light and the block's own place: who asks first, on which
@@ -22,7 +22,6 @@ use glam::DVec3;
 use lattice::{Corner, Face, Scale};
 use satseed_scene::Bands;
 use satseed_tracer::Tracer;
-use std::sync::Arc;
 use store::Store;
 
 /// Distance of a neighbouring node from the asker's plane at which it counts half, m.
@@ -64,11 +63,10 @@ impl Ambient {
         Self { dome: Dome::new(light), store: Store::new(most_bytes) }
     }
 
-    /// Bytes that may come to be kept for a scene of this size: every block of its ground, and five times as many more for
-    /// what stands on it and faces other ways.
+    /// Bytes that may come to be kept for a scene of this size: eight nodes for each square metre.
     pub(super) fn most_bytes(radius_m: f64) -> u64 {
-        let side = libm::ceil(2.0 * radius_m / (f64::from(lattice::SIDE) * Scale::Surface.spacing_m())) as u64 + 1;
-        6 * side * side * Block::MOST_BYTES as u64
+        let side = libm::ceil(2.0 * radius_m) as u64 + 1;
+        8 * side * side * Store::BYTES_OF_A_NODE as u64
     }
 
     /// Irradiance at points, W / (m^2 um); none where the lattice has no answer. Neighbouring points cost least.
@@ -77,7 +75,7 @@ impl Ambient {
         let mut keys: Vec<_> = corners.iter().flatten().map(|c| c.block).collect();
         keys.sort_unstable();
         keys.dedup();
-        let blocks: Vec<Arc<Block>> =
+        let blocks: Vec<Block> =
             keys.iter().map(|key| self.store.get(*key, || Block::new(tracer, light, &self.dome, *key))).collect();
         let found = |c: &Corner| {
             let at = keys.binary_search(&c.block).expect("the block of every corner was fetched");
