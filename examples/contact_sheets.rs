@@ -9,7 +9,7 @@ use anyhow::Context as _;
 use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
-use satseed::render::{Image, Sensor, Settings, render};
+use satseed::render::{Image, Light, Sensor, Settings, render};
 use satseed_generators::Region;
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
@@ -96,8 +96,8 @@ fn picture(tracer: &Tracer, camera: &Camera) -> Image {
         sun_azimuth_rad: 145.0_f64.to_radians(),
         aerosol_optical_depth: 0.12,
     };
-    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
-    render(tracer, camera, &environment, settings, &SeedPath::root("contact sheet", 0))
+    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
+    render(tracer, camera, &Light::of(tracer, &environment), settings, &SeedPath::root("contact sheet", 0))
 }
 
 fn transposed(rows: &[Vec<Image>]) -> Vec<Vec<Image>> {
@@ -114,7 +114,7 @@ fn write(path: &Path, rows: &[Vec<Image>]) -> anyhow::Result<()> {
     for (j, row) in rows.iter().enumerate() {
         for (i, cell) in row.iter().enumerate() {
             let left = (i as u32 * (cell_width + GAP) * 3) as usize;
-            for (v, line) in cell.rgb.chunks_exact(cell_width as usize * 3).enumerate() {
+            for (v, line) in cell.bytes().chunks_exact(cell_width as usize * 3).enumerate() {
                 let start = (j as u32 * (cell_height + GAP) + v as u32) as usize * width as usize * 3 + left;
                 pixels[start..start + line.len()].copy_from_slice(line);
             }

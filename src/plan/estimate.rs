@@ -41,10 +41,10 @@ impl Estimate {
     }
 }
 
-/// Radiance and its blur 2 x 16, image 3, hit point 24, disparity 4, validity 1, elevation 4, class 1, instance 4, normal
+/// Radiance and its blur 2 x 16, image up to 16, hit point 24, disparity 4, validity 1, elevation 4, class 1, instance 4, normal
 /// 12, shadow 1, edge 1, and an encoder's copy 8.
 fn memory_bytes_per_pixel() -> u64 {
-    2 * 16 + 3 + 24 + 4 + 1 + 4 + 1 + 4 + 12 + 1 + 1 + 8
+    2 * 16 + 16 + 24 + 4 + 1 + 4 + 1 + 4 + 12 + 1 + 1 + 8
 }
 
 /// Compressed sizes per pixel of one view, thousandths of a byte, measured on samples of 2048 x 2048 pixels; the disparity
