@@ -62,9 +62,7 @@ impl Layer {
     pub fn kinds(self) -> &'static [PixelKind] {
         use PixelKind::{Bytes4, Counts, Float, Gray, Id, Radiance, Rgb, Vector};
         match self {
-            Self::Image => {
-                &[Rgb, Gray, Bytes4, Counts(1), Counts(3), Counts(4), Radiance(1), Radiance(3), Radiance(4)]
-            }
+            Self::Image => &[Rgb, Gray, Bytes4, Counts(1), Counts(3), Counts(4), Radiance(1), Radiance(3), Radiance(4)],
             Self::Validity | Self::Class | Self::Shadow | Self::Edge => &[Gray],
             Self::Disparity | Self::Elevation => &[Float],
             Self::Instance => &[Id],

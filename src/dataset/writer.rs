@@ -353,7 +353,8 @@ impl Contents {
         }
         for id in self.ids() {
             paths.extend([SAMPLE, "camera.json"].map(|f| format!("{id}/{f}")));
-            let name = |(layer, view, kind): &(Layer, View, PixelKind)| format!("{id}/{}", layer.file_name(*view, *kind));
+            let name =
+                |(layer, view, kind): &(Layer, View, PixelKind)| format!("{id}/{}", layer.file_name(*view, *kind));
             paths.extend(self.layers.iter().map(name));
         }
         paths

@@ -1,7 +1,7 @@
 //! What a plan costs, before any of it is done.
 
 use super::Plan;
-use crate::recipe::{DisparityPrecision, Label, Recipe};
+use crate::recipe::{DisparityPrecision, Label, Recipe, SensorCoding};
 
 /// What a plan costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +56,13 @@ fn disk_millibytes_per_pixel(recipe: &Recipe) -> u64 {
         DisparityPrecision::Px256th => 680,
     };
     let views = if labels.has(Label::DisparityRight) { 2 } else { 1 };
-    let mut sum = 1400 + views * (disparity + 40) / 2;
+    let sensor = &recipe.sensor().imager;
+    let band = match SensorCoding::from(sensor.coding) {
+        SensorCoding::Stretched => 470,
+        SensorCoding::Counts => 1200,
+        SensorCoding::Radiance => 3000,
+    };
+    let mut sum = band * sensor.bands.count() as u64 + views * (disparity + 40) / 2;
     for (label, size) in [
         (Label::Class, 80),
         (Label::Elevation, 1360),

@@ -365,7 +365,8 @@ mod tests {
     /// A change of these bytes is a change of every dataset: it must be meant, and told in CHANGELOG.md.
     #[test]
     fn encoders_have_not_changed() {
-        let hashes: Vec<_> = planes(301, 259)
+        // What labels and 8-bit colour are written as; the other sensors' are held by tests/sensor.rs.
+        let hashes: Vec<_> = planes(301, 259)[..5]
             .iter()
             .map(|p| {
                 (blake3::hash(&p.encode().unwrap()).to_hex()[..16].to_owned(), p.pixel_hash().to_hex()[..16].to_owned())

@@ -48,7 +48,9 @@ pub(super) fn encode<T: TiffWriteSample>(
         image = image.samples_per_pixel(channels as u16).photometric(PhotometricInterpretation::Rgb);
     }
     if channels > 3 {
-        image = image.extra_samples(vec![ExtraSample::Unspecified]);
+        // Readers drop or take for opacity what stands behind red, green and blue: four bands are four bands.
+        image =
+            image.photometric(PhotometricInterpretation::MinIsBlack).extra_samples(vec![ExtraSample::Unspecified; 3]);
     }
     write(image, width, height, kind.channels(), values)
 }

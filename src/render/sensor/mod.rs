@@ -90,7 +90,7 @@ impl Sensor {
     pub const WORLDVIEW3_RGB: Self = Self {
         bands: BandSet::Rgb,
         optics: Optics { mtf_at_nyquist: Some(0.15), smear_px: 0.4 },
-        noise: Noise { snr: Some(120.0), read: 0.000_65, column_gain: 0.003 },
+        noise: Noise { snr: Some(150.0), read: 0.000_5, column_gain: 0.003 },
         sharpening: Some(PanSharpening { ratio: 4, offset_px: 0.2 }),
         coding: Coding::WORLDVIEW3_8_BIT,
     };
@@ -162,9 +162,7 @@ impl Sensor {
                 let share = sharpen::pan_shares(light.white_radiance);
                 let pan = detector(4, width);
                 let row = |(v, row): (usize, &[Bands])| -> Vec<f32> {
-                    let value = |(u, g): (usize, &Bands)| {
-                        pan.read(u, v, sharpen::weighted(at_sensor(*g), share))
-                    };
+                    let value = |(u, g): (usize, &Bands)| pan.read(u, v, sharpen::weighted(at_sensor(*g), share));
                     row.iter().enumerate().map(value).collect()
                 };
                 let rows: Vec<Vec<f32>> = ground.data.par_chunks(width).enumerate().map(row).collect();
@@ -193,4 +191,3 @@ impl Sensor {
         }
     }
 }
-

@@ -58,11 +58,7 @@ impl Detector {
     pub(super) fn read(&self, u: usize, v: usize, signal: f32) -> f32 {
         let even = signal * self.gains[u];
         let variance = self.a + self.b * signal.max(0.0);
-        if variance > 0.0 {
-            even + variance.sqrt() * standard_noise(u as i32, v as i32, self.key)
-        } else {
-            even
-        }
+        if variance > 0.0 { even + variance.sqrt() * standard_noise(u as i32, v as i32, self.key) } else { even }
     }
 }
 

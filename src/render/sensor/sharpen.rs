@@ -1,9 +1,9 @@
 //! Colour from coarse bands, detail from the panchromatic one, by ratios (Brovey): what gives real crops their bleeding
 //! colours.
 
+use super::PanSharpening;
 use super::noise::Detector;
 use super::optics::{Kernel, Optics};
-use super::PanSharpening;
 use crate::render::film::Radiance;
 use rayon::prelude::*;
 use satseed_scene::Bands;
@@ -44,14 +44,14 @@ pub(super) fn sharpen(
     let (width, height) = (ground.width as usize, ground.height as usize);
     let coarse = Coarse::new(ground, at_sensor, how.ratio, optics, colours);
     // Red lies a little to one side, blue to the other.
-    let across = [-how.offset_px, 0.0, how.offset_px, 0.0].map(|offset| Taps::line(width, how.ratio, offset, coarse.width));
+    let across =
+        [-how.offset_px, 0.0, how.offset_px, 0.0].map(|offset| Taps::line(width, how.ratio, offset, coarse.width));
     let down = Taps::line(height, how.ratio, 0.0, coarse.height);
     let rows: Vec<Vec<f32>> = (0..height)
         .into_par_iter()
         .map(|v| {
-            let middle: Vec<Bands> = (0..coarse.width)
-                .map(|i| down[v].sum(|j| coarse.data[j * coarse.width + i]))
-                .collect();
+            let middle: Vec<Bands> =
+                (0..coarse.width).map(|i| down[v].sum(|j| coarse.data[j * coarse.width + i])).collect();
             let mut out = Vec::with_capacity(width * order.len());
             for (u, radiance) in ground.data[v * width..][..width].iter().enumerate() {
                 let detail = pan.read(u, v, weighted(at_sensor(*radiance), share));
@@ -203,7 +203,12 @@ mod tests {
         }
         // Red and blue of one panchromatic signal.
         let [blue, _, red, _] = pan_shares(Bands::ONE);
-        let hue = run(&field(|u| if u < 33 { Bands::new(0.3 / blue, 0.0, 0.0, 0.0) } else { Bands::new(0.0, 0.0, 0.3 / red, 0.0) }), 0.0);
+        let hue = run(
+            &field(
+                |u| if u < 33 { Bands::new(0.3 / blue, 0.0, 0.0, 0.0) } else { Bands::new(0.0, 0.0, 0.3 / red, 0.0) },
+            ),
+            0.0,
+        );
         let purity = |u: usize| row(&hue, u)[0] * red / 0.3;
         assert!(purity(20) < 0.01 && purity(46) > 0.99, "{} {}", purity(20), purity(46));
         assert!((0.2..0.8).contains(&purity(33)), "{}", purity(33));
