@@ -9,7 +9,7 @@ use anyhow::Context as _;
 use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
-use satseed::render::{AmbientMode, Image, Lighting, Sensor, Settings, render};
+use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
 use satseed_generators::Region;
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
@@ -34,12 +34,12 @@ fn main() -> anyhow::Result<()> {
             scene.validate()?;
             eprintln!("{name} {seed}: {:?} triangles held and placed", scene.triangle_counts());
             let tracer = Tracer::new(&scene);
-            let light = |mode| Lighting::new(&environment(), mode, scene.full_detail_radius_m);
-            let (shared, own) = (light(AmbientMode::PerScene), light(AmbientMode::PerSample));
+            let own = Light::of(&tracer, &environment());
+            let shared = own.clone().with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
             // Pixels of a wide oblique view share nothing.
             let views = views(&tracer).into_iter().zip([&shared, &shared, &own]);
-            for (sheet, (cameras, lighting)) in sheets.iter_mut().zip(views) {
-                sheet.push(cameras.iter().map(|camera| picture(&tracer, camera, lighting)).collect());
+            for (sheet, (cameras, light)) in sheets.iter_mut().zip(views) {
+                sheet.push(cameras.iter().map(|camera| picture(&tracer, camera, light)).collect());
             }
         }
         // The frames from above stand in one row: five of them.
@@ -101,9 +101,9 @@ fn environment() -> Environment {
     }
 }
 
-fn picture(tracer: &Tracer, camera: &Camera, lighting: &Lighting) -> Image {
-    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
-    render(tracer, camera, lighting, settings, &SeedPath::root("contact sheet", 0))
+fn picture(tracer: &Tracer, camera: &Camera, light: &Light) -> Image {
+    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
+    render(tracer, camera, light, settings, &SeedPath::root("contact sheet", 0))
 }
 
 fn transposed(rows: &[Vec<Image>]) -> Vec<Vec<Image>> {
@@ -120,7 +120,7 @@ fn write(path: &Path, rows: &[Vec<Image>]) -> anyhow::Result<()> {
     for (j, row) in rows.iter().enumerate() {
         for (i, cell) in row.iter().enumerate() {
             let left = (i as u32 * (cell_width + GAP) * 3) as usize;
-            for (v, line) in cell.rgb.chunks_exact(cell_width as usize * 3).enumerate() {
+            for (v, line) in cell.bytes().chunks_exact(cell_width as usize * 3).enumerate() {
                 let start = (j as u32 * (cell_height + GAP) + v as u32) as usize * width as usize * 3 + left;
                 pixels[start..start + line.len()].copy_from_slice(line);
             }

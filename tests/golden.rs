@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use satseed::camera::{Datum, RigSpec, StereoRig};
 use satseed::labels::{Extra, View, ViewLabels, extract};
-use satseed::render::{AmbientMode, Lighting, Sensor, Settings, render};
+use satseed::render::{AmbientMode, Light, Sensor, Settings, develop, expose};
 use satseed_generators::Region;
 use satseed_scene::{Environment, SeedPath};
 use satseed_tracer::Tracer;
@@ -47,19 +47,22 @@ fn report(name: &str) -> String {
     });
     let environment = Environment { sun_elevation_rad: 0.733, sun_azimuth_rad: 2.53, aerosol_optical_depth: 0.12 };
     let all = Extra { elevation: true, class: true, instance: true, normal: true, shadow: true, edge: true };
-    let lighting = Lighting::new(&environment, AmbientMode::PerScene, scene.full_detail_radius_m);
     let mut text = String::new();
     let mut line = |key: &str, bytes: &[u8]| {
         writeln!(text, "{key} {}", blake3::hash(bytes).to_hex()).expect("a string takes all");
     };
     line("scene", &scene.hash());
+    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
+    let light = Light::of(&tracer, &environment).with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
+    let mut exposures = Vec::new();
     for (side, view) in [("left", View::Left), ("right", View::Right)] {
         let labels = extract(&tracer, &rig, view, &environment, all);
         line(&format!("{side} labels"), &label_bytes(&labels));
-        let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
         let noise = SeedPath::root("golden", SEED).child(side);
-        let image = render(&tracer, view.cameras(&rig).0, &lighting, settings, &noise);
-        line(&format!("{side} image"), &image.rgb);
+        exposures.push(expose(&tracer, view.cameras(&rig).0, &light, settings, &noise));
+    }
+    for (side, image) in ["left", "right"].into_iter().zip(develop(exposures, settings.sensor)) {
+        line(&format!("{side} image"), image.bytes());
     }
     format!("version {}\n{text}", region.version())
 }

@@ -8,7 +8,7 @@ use satseed::camera::{Camera, Datum, RigSpec, StereoRig};
 use satseed::dataset::formats::{Pixels, Plane};
 use satseed::plan::Plan;
 use satseed::recipe::{Changes, Recipe};
-use satseed::render::{AmbientMode, Lighting, render};
+use satseed::render::{AmbientMode, Light, render};
 use satseed_scene::SeedPath;
 use satseed_tracer::Tracer;
 
@@ -35,10 +35,14 @@ pub(crate) fn run(args: &PreviewArgs) -> anyhow::Result<Exit> {
         // Each pixel of a wide view lies at a place of its own: there is nothing to share.
         View::Oblique => (oblique(&tracer, scene.pivot_height_m, radius_m, args.size), AmbientMode::PerSample),
     };
-    let lighting = Lighting::new(&recipe.light().into(), ambient, radius_m);
     let noise = SeedPath::root("sensor", seed).child("preview");
-    let image = render(&tracer, &camera, &lighting, recipe.sensor().settings(), &noise);
-    let picture = Plane { width: image.width, height: image.height, pixels: Pixels::Rgb(image.rgb) };
+    let light = Light::of(&tracer, &recipe.light().into()).with_ambient(ambient, radius_m);
+    let mut settings = recipe.sensor().settings();
+    settings.sensor = settings.sensor.for_the_eye();
+    let image = render(&tracer, &camera, &light, settings, &noise);
+    let bytes = image.bytes().to_vec();
+    let pixels = if image.channels == 1 { Pixels::Gray(bytes) } else { Pixels::Rgb(bytes) };
+    let picture = Plane { width: image.width, height: image.height, pixels };
     std::fs::write(&args.output, picture.encode()?)
         .with_context(|| format!("cannot write the picture to {}", args.output.display()))?;
     Ok(Exit::Fine)

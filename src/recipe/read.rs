@@ -3,10 +3,11 @@
 use super::node::{Entry, Node, Table, Value};
 use super::parts::{
     Acquisition, Ambient, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light,
-    PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
+    PivotAlongBaseline, Pivots, SceneEntry, Series, SplitRule,
 };
 use super::reader::{Reader, number, whole, word, wrong};
 use super::region::region_from;
+use super::sensor::sensor;
 use super::source::{Origin, RecipeError};
 use super::{MAX_PIVOTS, MAX_SEED, MAX_STEPS, Recipe, versions};
 use satseed_generators::Region;
@@ -236,13 +237,6 @@ fn light(mut table: Reader) -> Result<Light, RecipeError> {
     sun.finish()?;
     table.finish()?;
     Ok(light)
-}
-
-fn sensor(mut table: Reader) -> Result<Sensor, RecipeError> {
-    let preset = table.word("preset", SensorPreset::ALL)?.unwrap_or(SensorPreset::Worldview3Rgb);
-    let samples_per_pixel = table.whole("samples_per_pixel", 1..=4096)?.map_or(16, |(n, _)| n as u32);
-    table.finish()?;
-    Ok(Sensor { preset, samples_per_pixel })
 }
 
 fn labels(mut table: Reader) -> Result<Labels, RecipeError> {

@@ -57,8 +57,7 @@ impl Recipe {
         writeln!(out, "sun = {{ elevation_deg = {elevation:?}, azimuth_deg = {azimuth:?} }}")?;
         writeln!(out, "aerosol_optical_depth = {:?}", light.aerosol_optical_depth)?;
         writeln!(out, "ambient = \"{}\"", light.ambient.word())?;
-        writeln!(out, "\n[sensor]\npreset = \"{}\"", self.sensor.preset.word())?;
-        writeln!(out, "samples_per_pixel = {}", self.sensor.samples_per_pixel)?;
+        super::sensor::write(&self.sensor, out)?;
         let labels: Vec<_> = self.labels.write.iter().map(|l| l.word()).collect();
         writeln!(out, "\n[labels]\nwrite = {labels:?}")?;
         writeln!(out, "disparity_precision = \"{}\"", self.labels.disparity_precision.word())?;

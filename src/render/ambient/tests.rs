@@ -54,7 +54,8 @@ fn street() -> Scene {
 }
 
 fn light() -> Light {
-    Light::new(&Environment { sun_elevation_rad: 0.73, sun_azimuth_rad: 2.5, aerosol_optical_depth: 0.12 })
+    let environment = Environment { sun_elevation_rad: 0.73, sun_azimuth_rad: 2.5, aerosol_optical_depth: 0.12 };
+    Light::over(&environment, Bands::grey(0.15))
 }
 
 /// The ask of what a ray meets.
