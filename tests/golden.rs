@@ -54,14 +54,14 @@ fn report(name: &str) -> String {
     line("scene", &scene.hash());
     let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
     let light = Light::of(&tracer, &environment).with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
-    let mut exposures = Vec::new();
-    for (side, view) in [("left", View::Left), ("right", View::Right)] {
+    let sides = [("left", View::Left), ("right", View::Right)];
+    let exposures = sides.map(|(side, view)| {
+        let noise = SeedPath::root("golden", SEED).child(side);
+        expose(&tracer, view.cameras(&rig).0, &light, settings, &noise)
+    });
+    for ((side, view), image) in sides.into_iter().zip(develop(exposures.into(), settings.sensor)) {
         let labels = extract(&tracer, &rig, view, &environment, all);
         line(&format!("{side} labels"), &label_bytes(&labels));
-        let noise = SeedPath::root("golden", SEED).child(side);
-        exposures.push(expose(&tracer, view.cameras(&rig).0, &light, settings, &noise));
-    }
-    for (side, image) in ["left", "right"].into_iter().zip(develop(exposures, settings.sensor)) {
         line(&format!("{side} image"), image.bytes());
     }
     format!("version {}\n{text}", region.version())
