@@ -45,11 +45,13 @@ def embree_library():
     return found[0], venv / "bin" / "python"
 
 
-def build():
-    """The driver of Embree and the bench."""
+def build(bench):
+    """The driver of Embree and, unless there is one, the bench."""
     driver = WORK / "embree"
     source = ROOT / "benches" / "peers" / "embree.cpp"
     run("g++", "-std=c++17", "-O3", "-march=native", "-Wall", "-Wextra", "-o", driver, source, "-ldl")
+    if bench:
+        return driver, bench
     built = run("cargo", "bench", "--bench", "trace", "--no-run", "--message-format=json", stdout=subprocess.PIPE, text=True)
     messages = [json.loads(line) for line in built.stdout.splitlines()]
     benches = [m["executable"] for m in messages if m.get("executable") and m["target"]["name"] == "trace"]
@@ -173,11 +175,12 @@ def main():
     parser.add_argument("--share", type=int, default=2, help="one in so many rows of the frame")
     parser.add_argument("--quality", type=int, default=1, choices=[0, 1, 2], help="Embree's build: low, medium, high")
     parser.add_argument("--robust", action="store_true", help="Embree's watertight mode")
+    parser.add_argument("--bench", type=Path, help="the bench `trace`, where it is built already")
     parser.add_argument("--out", type=Path, help="where the raw results are written")
     args = parser.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
     library, python = embree_library()
-    driver, bench = build()
+    driver, bench = build(args.bench)
     everything = {
         "date": time.strftime("%Y-%m-%d %H:%M %Z"),
         "processor": processor(),
