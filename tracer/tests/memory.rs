@@ -1,4 +1,5 @@
 //! What trees hold, as a bound: so many bytes a triangle of a mesh, however often it is placed, and so many an instance.
+#![allow(clippy::print_stdout)]
 
 use glam::{DAffine3, DVec3};
 use satseed_scene::{Bands, Class, Instance, Material, Mesh, Object, Rng, Scene, SeedPath, quantise_point};
