@@ -13,7 +13,7 @@ mod schedule;
 
 pub use contents::{contents, recipe_text};
 pub use pair::{make_sample, rig};
-pub use profile::{Profile, ProfileReport, Stage, StageReport};
+pub use profile::{Profile, ProfileReport, RayKinds, Stage, StageReport};
 pub use regenerate::{chosen, regenerate, same_recipe_text};
 pub use scene::{BuiltScene, SceneRecord};
 pub use schedule::generate;
