@@ -149,7 +149,7 @@ fn edge_transfer(sensor: Sensor, along_columns: bool) -> f64 {
     let light = Light::of(&tracer, &noon());
     let plain = Sensor { noise: Noise::NONE, coding: Coding::Radiance, ..sensor };
     let image = render(&tracer, &nadir(SIZE), &light, of(plain, 64), &SeedPath::root("edge", 1));
-    let values = channel(&image, if image.channels > 1 { 1 } else { 0 });
+    let values = channel(&image, usize::from(image.channels > 1));
     let middle = (f64::from(SIZE) - 1.0) / 2.0;
     let reach = 14.0;
     let mut bins = vec![(0.0, 0.0); (2.0 * reach * FINE) as usize];
@@ -173,7 +173,7 @@ fn edge_transfer(sensor: Sensor, along_columns: bool) -> f64 {
             let (s, c) = libm::sincos(2.0 * PI * f * i as f64 / FINE);
             (re, im) = (re + v * c, im + v * s);
         }
-        re.hypot(im)
+        libm::hypot(re, im)
     };
     // The bins' own box, and that of the difference.
     let half = PI * 0.5 / FINE;
@@ -224,7 +224,7 @@ fn noise_has_the_variance_that_is_set_and_is_independent() {
             let (quiet_light, quiet) = noise_of(Sensor { noise: Noise::NONE, ..sensor }, reflectance, 200);
             assert_eq!(light.white_radiance, quiet_light.white_radiance);
             assert_eq!(quiet[0], quiet[1], "without noise both images are one");
-            for band in 0..sensor.bands.count() {
+            for (band, order) in ORDER.into_iter().enumerate().take(sensor.bands.count()) {
                 let unit = match sensor.bands {
                     // A panchromatic signal of 1 is a radiance that only the sensor knows: from the values themselves.
                     BandSet::Pan => {
@@ -234,7 +234,7 @@ fn noise_has_the_variance_that_is_set_and_is_independent() {
                         let signal = counts.iter().map(|c| f64::from(*c)).sum::<f64>() / counts.len() as f64 / 2047.0;
                         mean(&channel(&quiet[0], 0)) / signal
                     }
-                    _ => f64::from(light.white_radiance[ORDER[band]]),
+                    _ => f64::from(light.white_radiance[order]),
                 };
                 let of_view = |view: usize| -> Vec<f64> {
                     let values = channel(&images[view], band).into_iter().zip(channel(&quiet[view], band));

@@ -26,7 +26,7 @@ pub(super) fn sensor(mut table: Reader) -> Result<Sensor, RecipeError> {
 
 fn optics(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), RecipeError> {
     let optics = &mut imager.optics;
-    if let Some(mtf) = number_or_none(table, "mtf_at_nyquist", MIN_MTF..=MAX_MTF)? {
+    if let Some(NumberOrNone(mtf)) = number_or_none(table, "mtf_at_nyquist", MIN_MTF..=MAX_MTF)? {
         optics.mtf_at_nyquist = mtf;
         if mtf.is_none() {
             optics.smear_px = 0.0;
@@ -50,7 +50,7 @@ fn optics(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), RecipeE
 fn noise(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), RecipeError> {
     let noise = &mut imager.noise;
     let stated = table.origin.clone();
-    if let Some(snr) = number_or_none(table, "snr", 5.0..=100_000.0)? {
+    if let Some(NumberOrNone(snr)) = number_or_none(table, "snr", 5.0..=100_000.0)? {
         noise.snr = snr;
     }
     let read = table.number("read_noise", 0.0..=0.05)?;
@@ -150,17 +150,19 @@ fn percentiles(name: &str, node: &Node) -> Result<[f64; 2], RecipeError> {
     }
 }
 
-/// A number, or the word `none`.
+/// What a key says: a number, or the word `none`.
+struct NumberOrNone(Option<f64>);
+
 fn number_or_none(
     table: &mut Reader,
     key: &'static str,
     range: RangeInclusive<f64>,
-) -> Result<Option<Option<f64>>, RecipeError> {
+) -> Result<Option<NumberOrNone>, RecipeError> {
     let name = table.name(key);
     let Some(node) = table.take(key) else { return Ok(None) };
     match &node.value {
-        Value::Text(text) if text == "none" => Ok(Some(None)),
-        Value::Float(_) | Value::Integer(_) => Ok(Some(Some(number(&name, &node, range)?))),
+        Value::Text(text) if text == "none" => Ok(Some(NumberOrNone(None))),
+        Value::Float(_) | Value::Integer(_) => Ok(Some(NumberOrNone(Some(number(&name, &node, range)?)))),
         _ => {
             let (low, high) = range.into_inner();
             Err(wrong(&name, &node, &format!("a number in {low} to {high} or \"none\"")))

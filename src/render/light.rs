@@ -225,7 +225,7 @@ mod tests {
     }
 
     /// Ground and air send light to and fro: the irradiance over grey ground is that over black ground times
-    /// 1 / (1 - S m), and the sensor above endless ground of reflectance m sees path + T_up m E / pi.
+    /// `1 / (1 - S m)`, and the sensor above endless ground of reflectance m sees `path + T_up m E / pi`.
     #[test]
     fn endless_ground_has_its_closed_form() {
         let environment = environment(40.0, 0.2);

@@ -19,7 +19,7 @@ impl Sample {
     /// A point of the unit square for a purpose: over the pixel's samples, a Kronecker sequence on the plastic number
     /// (Roberts 2018), shifted by the pixel's own hash, so that few samples are already spread evenly.
     #[inline]
-    pub(super) fn square(&self, purpose: u32) -> DVec2 {
+    pub(super) fn square(self, purpose: u32) -> DVec2 {
         const A: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
         let h = |k: u32| f64::from(unit_from_hash(hash_cell(purpose as i32, k as i32, 7, self.pixel_hash)));
         let p = DVec2::new(h(0), h(1)) + A * f64::from(self.index);

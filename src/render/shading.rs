@@ -86,7 +86,7 @@ pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64
         if let Some(irradiance) = irradiance {
             sums[*i] += side.scattered * irradiance * INV_PI;
         } else if let Some(Lit { origin, .. }) = &points[*i]
-            && let Some(direction) = side.direction(&samples[*i])
+            && let Some(direction) = side.direction(samples[*i])
         {
             asked.push((*i, side.scattered));
             outward.push((*origin, direction));
@@ -120,7 +120,7 @@ impl Side {
     }
 
     /// One direction of this side's dome, with density cos / pi; none where a bump turned it into the surface.
-    fn direction(&self, sample: &Sample) -> Option<DVec3> {
+    fn direction(&self, sample: Sample) -> Option<DVec3> {
         let direction = cosine_direction(self.ask.normal, sample.square(purpose::SKY));
         (direction.dot(self.ask.geometric) > 0.0).then_some(direction)
     }
@@ -445,7 +445,7 @@ mod tests {
             sun += radiance[1];
             let [side, _] = Side::of(&hit, &shade, 1.0);
             let side = side.expect("every surface has one");
-            if let Some(direction) = side.direction(&sample) {
+            if let Some(direction) = side.direction(sample) {
                 let square = sample.square(purpose::BOUNCE_SUN);
                 sky += (side.scattered * incoming(&tracer, &light, &[(origin, direction)], |_| square)[0])[1];
             }

@@ -160,12 +160,11 @@ impl Plane {
         self.check_length()?;
         match &self.pixels {
             Pixels::Gray(v) | Pixels::Rgb(v) => png::encode(self.width, self.height, self.kind(), v),
-            Pixels::Float(v) => tiff::encode(self.width, self.height, self.kind(), v),
+            Pixels::Float(v) | Pixels::Radiance(_, v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Id(v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Vector(v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Bytes4(v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Counts(_, v) => tiff::encode(self.width, self.height, self.kind(), v),
-            Pixels::Radiance(_, v) => tiff::encode(self.width, self.height, self.kind(), v),
         }
     }
 

@@ -71,7 +71,7 @@ impl Ambient {
 
     /// Irradiance at points, W / (m^2 um); none where the lattice has no answer. Neighbouring points cost least.
     pub(super) fn irradiance(&self, tracer: &Tracer, light: &Light, asks: &[Ask]) -> Vec<Option<Bands>> {
-        let corners: Vec<[Corner; 4]> = asks.iter().map(|a| a.corners()).collect();
+        let corners: Vec<[Corner; 4]> = asks.iter().map(Ask::corners).collect();
         let mut keys: Vec<_> = corners.iter().flatten().map(|c| c.block).collect();
         keys.sort_unstable();
         keys.dedup();

@@ -153,7 +153,7 @@ mod tests {
         let find = |counts: &[u16], count: u16| counts.iter().step_by(3).position(|c| *c == count).unwrap() * 3;
         let (a, b) = (find(&dark, 699), find(&bright, 700));
         assert!(both[1].bytes()[b].abs_diff(both[0].bytes()[a]) <= 1);
-        let clipped = both.iter().flat_map(|i| i.bytes()).filter(|b| **b == 0 || **b == 255).count();
+        let clipped = both.iter().flat_map(Image::bytes).filter(|b| **b == 0 || **b == 255).count();
         assert!(clipped < 6000 * 3 / 100, "{clipped}");
     }
 
