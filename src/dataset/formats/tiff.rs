@@ -127,7 +127,8 @@ fn layout(color: tiff::ColorType) -> Option<(usize, usize)> {
 
 /// What image a TIFF file holds; none where it is none.
 pub(super) fn kind_of(bytes: &[u8]) -> Option<PixelKind> {
-    let mut decoder = decoder(bytes, 0).ok()?;
+    // Room for tags alone.
+    let mut decoder = decoder(bytes, 1 << 12).ok()?;
     let (channels, bits) = layout(decoder.colortype().ok()?)?;
     let format = decoder.find_tag_unsigned_vec::<u16>(ReadTag::SampleFormat).ok()?;
     match (bits, format.and_then(|f| f.first().copied()).unwrap_or(1)) {
