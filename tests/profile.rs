@@ -80,11 +80,25 @@ fn stages_add_up_to_what_the_process_took() {
 
     let stage = |name: &str| stages.iter().find(|s| s["stage"] == name).unwrap();
     let runs = ["build_scene", "surface_models", "scene_files", "labels", "render", "sample_files"];
-    assert_eq!(runs.map(|name| number(stage(name), "runs")), [2.0, 2.0, 2.0, 8.0, 8.0, 4.0]);
+    // Rendering is two exposures and one coding of both for each of four pairs.
+    assert_eq!(runs.map(|name| number(stage(name), "runs")), [2.0, 2.0, 2.0, 8.0, 12.0, 4.0]);
     // Four pairs of two views, each pixel with one ray for its label and one of its own for its colour at least.
     let pixels = f64::from(4 * 2 * 96 * 96);
     assert!(number(stage("labels"), "rays") > pixels && number(stage("render"), "rays") > pixels, "{said}");
     assert_eq!(number(stage("build_scene"), "rays"), 0.0);
+    // Every pixel's label ray, and the corners of the edge label; one way back for each of what both cameras see at most.
+    let kinds = |of: &serde_json::Value| {
+        ["primary", "label", "sun", "sky"].map(|kind| of["rays_by_kind"][kind].as_f64().unwrap())
+    };
+    let labels = kinds(stage("labels"));
+    assert_eq!(labels[0], pixels + f64::from(4 * 2 * 97 * 97));
+    assert!(labels[1] > 0.3 * pixels && labels[1] <= pixels && labels[3] == 0.0, "{labels:?}");
+    assert!(labels[2] <= 16.0 * pixels && labels[2] >= 4.0 * pixels, "{labels:?}");
+    let render = kinds(stage("render"));
+    assert!(render[0] > pixels && render[1] == 0.0 && render[2] > 0.0 && render[3] > 0.0, "{render:?}");
+    for of in stages.iter().chain([&profile]) {
+        assert_eq!(kinds(of).iter().sum::<f64>(), number(of, "rays"), "{said}");
+    }
     assert!(stages.iter().all(|s| said.contains(&s["stage"].as_str().unwrap().replace('_', " "))), "{said}");
     // Two scenes are alive at once.
     let (peak, bound) = (number(&profile, "memory_peak_bytes"), number(&profile, "memory_bound_bytes"));

@@ -86,6 +86,9 @@ fn write_table(out: &mut dyn Write, report: &ProfileReport, memory_bound_bytes: 
     line("other", [String::new(), String::new(), seconds(report.other_cpu_s)], report.other_cpu_s, 0)?;
     let serial_s = report.stages.iter().map(|s| s.serial_cpu_s).sum::<f64>() + report.other_cpu_s;
     line("whole", [String::new(), seconds(report.wall_s), seconds(serial_s)], report.cpu_s, report.rays)?;
+    let k = report.rays_by_kind;
+    let [primary, label, sun, sky] = [k.primary, k.label, k.sun, k.sky].map(|n| n as f64 / 1e6);
+    writeln!(out, "M rays: {primary:.2} primary, {label:.2} label, {sun:.2} sun, {sky:.2} sky")?;
     let busy = 100.0 * report.cpu_s / (report.wall_s * report.jobs as f64).max(1e-9);
     writeln!(out, "{} threads, busy {busy:.0}% of the time", report.jobs)?;
     if let Some(peak) = report.memory_peak_bytes {

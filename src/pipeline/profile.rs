@@ -10,7 +10,7 @@
 //! machine gave them less, S comes out larger. Other processes do not lengthen C, as they do the time on the wall.
 
 use rustix::time::{ClockId, Timespec, clock_gettime};
-use satseed_tracer::Tracer;
+use satseed_tracer::{RayCounts, Tracer};
 use serde::Serialize;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -76,7 +76,26 @@ struct Tally {
     wall: Duration,
     cpu: Duration,
     serial: Duration,
-    rays: u64,
+    rays: RayCounts,
+}
+
+/// Rays by their kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct RayKinds {
+    /// First hits, of labels and of samples.
+    pub primary: u64,
+    /// From a first hit to the other camera.
+    pub label: u64,
+    /// To the sun's disc: from first hits for the shadow label and for samples, and from what the sky's rays meet.
+    pub sun: u64,
+    /// Into the sky's dome and, from coated surfaces, into the mirrored direction: what is met there is shaded too.
+    pub sky: u64,
+}
+
+impl From<RayCounts> for RayKinds {
+    fn from(counts: RayCounts) -> Self {
+        Self { primary: counts.first, label: counts.line, sun: counts.open, sky: counts.onward }
+    }
 }
 
 /// The account of one run; it costs nothing that could be measured, and changes no byte.
@@ -102,6 +121,8 @@ pub struct StageReport {
     pub serial_cpu_s: f64,
     /// Rays traced, of every kind; each sample of light is one.
     pub rays: u64,
+    /// The same, kind by kind.
+    pub rays_by_kind: RayKinds,
 }
 
 /// What a run took.
@@ -119,6 +140,8 @@ pub struct ProfileReport {
     pub other_cpu_s: f64,
     /// Rays of all stages.
     pub rays: u64,
+    /// The same, kind by kind.
+    pub rays_by_kind: RayKinds,
     /// Highest resident memory of the process, bytes; none where the system does not tell (other than Linux).
     pub memory_peak_bytes: Option<u64>,
     /// Every stage, in order.
@@ -143,22 +166,25 @@ impl Profile {
             wall_s: t.wall.as_secs_f64(),
             cpu_s: t.cpu.as_secs_f64(),
             serial_cpu_s: t.serial.as_secs_f64(),
-            rays: t.rays,
+            rays: t.rays.sum(),
+            rays_by_kind: t.rays.into(),
         };
+        let rays = tallies.iter().fold(RayCounts::default(), |sum, t| sum + t.rays);
         ProfileReport {
             version: env!("CARGO_PKG_VERSION"),
             jobs,
             wall_s: self.begun.elapsed().as_secs_f64(),
             cpu_s: cpu.as_secs_f64(),
             other_cpu_s: cpu.saturating_sub(in_stages).as_secs_f64(),
-            rays: tallies.iter().map(|t| t.rays).sum(),
+            rays: rays.sum(),
+            rays_by_kind: rays.into(),
             memory_peak_bytes: memory_peak_bytes(),
             stages: Stage::ALL.into_iter().zip(tallies).map(report).collect(),
         }
     }
 
     /// Adds a run: its length, the time of each thread, and its rays.
-    fn add(&self, stage: Stage, wall: Duration, threads: &[Duration], rays: u64) {
+    fn add(&self, stage: Stage, wall: Duration, threads: &[Duration], rays: RayCounts) {
         let (cpu, most) = (threads.iter().sum(), threads.iter().max().copied().unwrap_or_default());
         let others = threads.len().saturating_sub(1) as u32;
         let serial = (most * threads.len() as u32).saturating_sub(cpu).checked_div(others).unwrap_or(cpu);
@@ -167,7 +193,7 @@ impl Profile {
         tally.wall += wall;
         tally.cpu += cpu;
         tally.serial += serial;
-        tally.rays += rays;
+        tally.rays = tally.rays + rays;
     }
 }
 
@@ -178,7 +204,7 @@ pub(super) struct Meter(pub(super) Option<Arc<Profile>>);
 impl Meter {
     /// Does a stage's work. The current rayon pool must have nothing else to do meanwhile.
     pub(super) fn stage<R>(&self, stage: Stage, work: impl FnOnce() -> R) -> R {
-        self.count(stage, || 0, work)
+        self.count(stage, RayCounts::default, work)
     }
 
     /// Does a stage's work, of which the rays of a tracer are a part.
@@ -186,7 +212,7 @@ impl Meter {
         self.count(stage, || tracer.rays_traced(), work)
     }
 
-    fn count<R>(&self, stage: Stage, rays: impl Fn() -> u64, work: impl FnOnce() -> R) -> R {
+    fn count<R>(&self, stage: Stage, rays: impl Fn() -> RayCounts, work: impl FnOnce() -> R) -> R {
         let Some(profile) = &self.0 else { return work() };
         let (begun, before, traced) = (Instant::now(), pool_times(), rays());
         let result = work();
@@ -278,7 +304,7 @@ mod tests {
         let serial_s = |threads: &[u64]| {
             let threads: Vec<_> = threads.iter().map(|s| Duration::from_secs(*s)).collect();
             let before = profile.report(1).stages[Stage::Open as usize];
-            profile.add(Stage::Open, Duration::ZERO, &threads, 0);
+            profile.add(Stage::Open, Duration::ZERO, &threads, RayCounts::default());
             let after = profile.report(1).stages[Stage::Open as usize];
             (after.cpu_s - before.cpu_s, after.serial_cpu_s - before.serial_cpu_s)
         };

@@ -185,7 +185,7 @@ impl Run<'_> {
             }
             let before = built.tracer.rays_traced();
             let sample = pairs.install(|| pair::sample(&built, pair, &self.meter))?;
-            let rays = built.tracer.rays_traced() - before;
+            let rays = (built.tracer.rays_traced() - before).sum();
             if to_writer.send(Traced { sample, rays, last: n + 1 == todo.len() }).is_err() {
                 // The writer is gone, and has said why.
                 self.closed.store(true, Ordering::Relaxed);

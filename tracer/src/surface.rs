@@ -66,6 +66,11 @@ impl Origin {
         self.point
     }
 
+    /// The unit normal of the start's triangle, on the side that it was seen from.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
     /// Whether this is the triangle that the start lies on.
     #[inline]
     pub(crate) fn is_on(&self, instance: u32, triangle: u32) -> bool {

@@ -7,6 +7,7 @@ use crate::tree::Trees;
 use crate::{bundle, single};
 use glam::DVec3;
 use satseed_scene::{Ray, Scene};
+use std::ops::{Add, Sub};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A scene ready for rays.
@@ -14,13 +15,69 @@ pub struct Tracer<'s> {
     scene: &'s Scene,
     trees: Trees,
     set: InstructionSet,
-    rays: AtomicU64,
+    /// As in [`RayCounts`].
+    rays: [AtomicU64; 4],
+}
+
+/// How many rays were traced, by what was asked of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// What a ray meets first: [`Tracer::closest`].
+    pub first: u64,
+    /// What stands between a surface and a point: [`Tracer::occluder`], [`Tracer::occluded`].
+    pub line: u64,
+    /// Whether a direction from a surface is open: [`Tracer::blocked`].
+    pub open: u64,
+    /// What a direction from a surface meets first: [`Tracer::closest_from`].
+    pub onward: u64,
+}
+
+impl RayCounts {
+    /// All of them.
+    pub fn sum(&self) -> u64 {
+        self.first + self.line + self.open + self.onward
+    }
+
+    fn with(self, other: Self, of: impl Fn(u64, u64) -> u64) -> Self {
+        Self {
+            first: of(self.first, other.first),
+            line: of(self.line, other.line),
+            open: of(self.open, other.open),
+            onward: of(self.onward, other.onward),
+        }
+    }
+}
+
+impl Add for RayCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        self.with(other, |a, b| a + b)
+    }
+}
+
+impl Sub for RayCounts {
+    type Output = Self;
+
+    /// What was traced since an earlier count.
+    fn sub(self, earlier: Self) -> Self {
+        self.with(earlier, |a, b| a - b)
+    }
+}
+
+/// Place of a kind in [`Tracer::rays`].
+#[derive(Clone, Copy)]
+enum Kind {
+    First,
+    Line,
+    Open,
+    Onward,
 }
 
 impl<'s> Tracer<'s> {
     /// Builds the trees. The scene must pass [`Scene::validate`].
     pub fn new(scene: &'s Scene) -> Self {
-        Self { scene, trees: Trees::new(scene), set: InstructionSet::widest(), rays: AtomicU64::new(0) }
+        Self { scene, trees: Trees::new(scene), set: InstructionSet::widest(), rays: Default::default() }
     }
 
     /// The same tracer with another instruction set: the same answers in another time.
@@ -51,59 +108,63 @@ impl<'s> Tracer<'s> {
         far.length() + 1.0
     }
 
-    /// Bytes held by the trees and their copies of the triangles.
+    /// Bytes held by the trees and their copies of the triangles: at most [`crate::BYTES_PER_TRIANGLE`] for each triangle of a
+    /// mesh and [`crate::BYTES_PER_INSTANCE`] for each instance, and a few hundred for each mesh.
     pub fn bytes(&self) -> usize {
         self.trees.bytes()
     }
 
     /// How many rays it has traced.
-    pub fn rays_traced(&self) -> u64 {
-        self.rays.load(Ordering::Relaxed)
+    pub fn rays_traced(&self) -> RayCounts {
+        let of = |kind: Kind| self.rays[kind as usize].load(Ordering::Relaxed);
+        RayCounts { first: of(Kind::First), line: of(Kind::Line), open: of(Kind::Open), onward: of(Kind::Onward) }
     }
 
     /// The closest hit at a distance in (0, `t_max`]. Hits within [`crate::tie_tolerance_m`] of the closest are one
     /// place; the lowest (instance, triangle) of them answers.
     pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        self.one(Closest::new(*ray, None, t_max)).answer()
+        self.one(Kind::First, Closest::new(*ray, None, t_max)).answer()
     }
 
     /// [`Tracer::closest`] of many rays, as far as they reach. Neighbours that go nearly the same way cost least.
     pub fn closest_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        self.all(rays.iter().map(|r| Closest::new(*r, None, self.reach_m(r.origin))), Closest::answer)
+        self.all(Kind::First, rays.iter().map(|r| Closest::new(*r, None, self.reach_m(r.origin))), Closest::answer)
     }
 
     /// What a straight line from a surface point to `target` meets first, if anything.
     pub fn occluder(&self, from: &Origin, target: DVec3) -> Option<Hit> {
         let (ray, t_max) = segment(from, target);
-        self.one(Closest::new(ray, Some(*from), t_max)).answer()
+        self.one(Kind::Line, Closest::new(ray, Some(*from), t_max)).answer()
     }
 
     /// Whether anything stands between a surface point and `target`.
     pub fn occluded(&self, from: &Origin, target: DVec3) -> bool {
-        self.one(Any::up_to(from, target)).found()
+        self.one(Kind::Line, Any::up_to(from, target)).found()
     }
 
     /// [`Tracer::occluded`] of many surface points and their targets.
     pub fn occluded_all(&self, lines: &[(Origin, DVec3)]) -> Vec<bool> {
-        self.all(lines.iter().map(|(from, target)| Any::up_to(from, *target)), |q| q.found())
+        self.all(Kind::Line, lines.iter().map(|(from, target)| Any::up_to(from, *target)), |q| q.found())
     }
 
     /// Whether anything stands in a direction (unit) from a surface point within `t_max` metres.
     pub fn blocked(&self, from: &Origin, direction: DVec3, t_max: f64) -> bool {
-        self.one(Any::towards(from, direction, t_max)).found()
+        self.one(Kind::Open, Any::towards(from, direction, t_max)).found()
     }
 
     /// [`Tracer::blocked`] of many surface points and their directions (unit), as far as there is anything.
     pub fn blocked_all(&self, rays: &[(Origin, DVec3)]) -> Vec<bool> {
-        self.all(rays.iter().map(|(from, direction)| Any::towards(from, *direction, self.reach_m(from.point()))), |q| {
-            q.found()
-        })
+        self.all(
+            Kind::Open,
+            rays.iter().map(|(from, direction)| Any::towards(from, *direction, self.reach_m(from.point()))),
+            |q| q.found(),
+        )
     }
 
     /// The closest hit in a direction (unit) from a surface point.
     pub fn closest_from(&self, from: &Origin, direction: DVec3, t_max: f64) -> Option<Hit> {
         let ray = Ray { origin: from.point(), direction };
-        self.one(Closest::new(ray, Some(*from), t_max)).answer()
+        self.one(Kind::Onward, Closest::new(ray, Some(*from), t_max)).answer()
     }
 
     /// [`Tracer::closest_from`] of many surface points and their directions (unit), as far as there is anything.
@@ -112,18 +173,18 @@ impl<'s> Tracer<'s> {
             let ray = Ray { origin: from.point(), direction: *direction };
             Closest::new(ray, Some(*from), self.reach_m(ray.origin))
         };
-        self.all(rays.iter().map(query), Closest::answer)
+        self.all(Kind::Onward, rays.iter().map(query), Closest::answer)
     }
 
-    fn one<Q: Query>(&self, mut query: Q) -> Q {
-        self.rays.fetch_add(1, Ordering::Relaxed);
+    fn one<Q: Query>(&self, kind: Kind, mut query: Q) -> Q {
+        self.rays[kind as usize].fetch_add(1, Ordering::Relaxed);
         single::trace(self.set, &self.trees, &mut query, &mut Vec::with_capacity(96));
         query
     }
 
-    fn all<Q: Query, A>(&self, queries: impl Iterator<Item = Q>, answer: impl Fn(Q) -> A) -> Vec<A> {
+    fn all<Q: Query, A>(&self, kind: Kind, queries: impl Iterator<Item = Q>, answer: impl Fn(Q) -> A) -> Vec<A> {
         let mut queries: Vec<Q> = queries.collect();
-        self.rays.fetch_add(queries.len() as u64, Ordering::Relaxed);
+        self.rays[kind as usize].fetch_add(queries.len() as u64, Ordering::Relaxed);
         for bundle in queries.chunks_mut(bundle::MOST) {
             bundle::trace(self.set, &self.trees, bundle);
         }

@@ -8,6 +8,13 @@ use satseed_scene::{Instance, Mesh, Scene};
 /// Most triangles behind a lane of a mesh's tree: one block.
 const MAX_LEAF: u32 = 8;
 
+/// Most that trees hold for a triangle of a mesh, bytes, on average over a mesh, whatever its shape; a mesh takes a few
+/// hundred more.
+pub const BYTES_PER_TRIANGLE: usize = 100;
+
+/// Most that trees hold for an instance, bytes, on average over a scene.
+pub const BYTES_PER_INSTANCE: usize = 320;
+
 /// Eight triangles of a leaf, a lane each, in the mesh's frame.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
