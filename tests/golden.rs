@@ -117,6 +117,11 @@ fn canyon() {
 }
 
 #[test]
+fn desert() {
+    check("desert");
+}
+
+#[test]
 fn toronto() {
     check("toronto");
 }
@@ -130,11 +135,11 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "canyon", "toronto"])
+        .args(["--exact", "canyon", "desert", "toronto"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()
         .expect("the test binary runs");
     let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success() && text.contains("2 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && text.contains("3 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
 }

@@ -29,7 +29,7 @@ pub(super) fn contours(values: &Raster<f32>) -> Vec<Vec<DVec2>> {
     }
     let point = |edge: usize| {
         let p = edge / 2;
-        let q = if edge % 2 == 0 { p + 1 } else { p + width };
+        let q = if edge.is_multiple_of(2) { p + 1 } else { p + width };
         let (a, b) = (f64::from(values.data[p]), f64::from(values.data[q]));
         let from = values.position(p % width, p / width);
         from.lerp(values.position(q % width, q / width), a / (a - b))

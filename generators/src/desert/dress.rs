@@ -136,7 +136,7 @@ struct Palette {
 fn palette(rng: &mut Rng) -> Palette {
     let buff = Bands::new(0.185, 0.265, 0.355, 0.43);
     let orange = Bands::new(0.125, 0.212, 0.345, 0.44);
-    let red = Bands::new(0.100, 0.168, 0.318, 0.42);
+    let red = Bands::new(0.100, 0.168, 0.320, 0.42);
     let t = rng.unit() as f32 * 2.0;
     let sand = if t < 1.0 { buff.lerp(orange, t) } else { orange.lerp(red, 0.6 * (t - 1.0)) };
     let bright = rng.range(0.92, 1.08) as f32;

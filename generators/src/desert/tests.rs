@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 const VARIANTS: [Variant; 3] = [Variant::Barchan, Variant::Transverse, Variant::Linear];
 
 fn params(radius_m: f64, variant: Variant) -> Params {
-    Params { radius_m, variant, ..Params::default() }
+    Params { variant, radius_m, ..Params::default() }
 }
 
 fn root(seed: u64) -> SeedPath {
@@ -350,7 +350,8 @@ fn shrubs_grow_in_number() {
 
 #[test]
 fn parameters_out_of_range_are_refused_with_their_range() {
-    let cases: [(fn(&mut Params), &str); 8] = [
+    type Case = (fn(&mut Params), &'static str);
+    let cases: [Case; 8] = [
         (|p| p.radius_m = 59.0, "`radius_m` is 59, but must lie in 60 to 900"),
         (|p| p.relief_m = 31.0, "`relief_m` is 31, but must lie in 4 to 30"),
         (|p| p.relief_m = f64::NAN, "`relief_m` is NaN, but must lie in 4 to 30"),

@@ -255,9 +255,9 @@ mod tests {
         let n = 40;
         for hop in [[5, 0], [3, 4], [3, -4], [0, 5]] {
             let mut line = vec![0.0; n * n];
-            for p in 0..n * n {
+            for (p, height) in line.iter_mut().enumerate() {
                 if (17..24).contains(&(p % n)) && (17..24).contains(&(p / n)) {
-                    line[p] = 10.0;
+                    *height = 10.0;
                 }
             }
             shadow_lines(&mut line, n, hop, 1.0);
