@@ -36,8 +36,8 @@ fn main() -> anyhow::Result<()> {
             let tracer = Tracer::new(&scene);
             let own = Light::of(&tracer, &environment());
             let shared = own.clone().with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
-            // Pixels of a wide oblique view share nothing.
-            let views = views(&tracer).into_iter().zip([&shared, &shared, &own]);
+            // Pixels of a wide view share little.
+            let views = views(&tracer).into_iter().zip([&own, &shared, &own]);
             for (sheet, (cameras, light)) in sheets.iter_mut().zip(views) {
                 sheet.push(cameras.iter().map(|camera| picture(&tracer, camera, light)).collect());
             }

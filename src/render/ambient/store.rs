@@ -24,8 +24,8 @@ struct Shelf {
 }
 
 impl Store {
-    /// Bytes of a node and its part of what finds it, with room for a list that doubles.
-    pub(super) const BYTES_OF_A_NODE: usize = 2 * size_of::<Node>() + 32;
+    /// Bytes of a node, with room for a list that doubles, and of a block: there are no more blocks than nodes may be.
+    pub(super) const BYTES_OF_A_NODE: usize = 2 * size_of::<Node>() + 96;
 
     pub(super) fn new(most_bytes: usize) -> Self {
         let shelves = (0..SHELVES).map(|_| Mutex::default()).collect();
@@ -46,7 +46,9 @@ impl Store {
         let mut known = lock();
         let from = known.nodes.len();
         let to = from + made.nodes.len();
-        if to <= self.most_nodes_on_a_shelf && !known.blocks.contains_key(&key) {
+        // Blocks without a node take room too.
+        let is_full = to > self.most_nodes_on_a_shelf || known.blocks.len() >= self.most_nodes_on_a_shelf;
+        if !is_full && !known.blocks.contains_key(&key) {
             known.nodes.extend_from_slice(&made.nodes);
             known.blocks.insert(key, (from, to, made.places));
         }
