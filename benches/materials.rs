@@ -27,6 +27,7 @@ fn main() {
         match &mut region {
             Region::Canyon(p) => p.radius_m = RADIUS_M,
             Region::Toronto(p) => p.radius_m = RADIUS_M,
+            Region::Desert(p) => p.radius_m = RADIUS_M,
         }
         measure(name, &region.build(1), rounds, all);
     }

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
-use satseed_generators::Region;
+use satseed_generators::{Region, desert::Variant};
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
 use std::path::Path;
@@ -27,9 +27,13 @@ fn main() -> anyhow::Result<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sheets");
     std::fs::create_dir_all(&folder)?;
     for name in names {
-        let region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
+        let mut region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
         let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
         for seed in SEEDS {
+            // A sheet shows all kinds of dunes.
+            if let Region::Desert(p) = &mut region {
+                p.variant = [Variant::Linear, Variant::Barchan, Variant::Transverse][seed as usize % 3];
+            }
             let scene = region.build(seed);
             scene.validate()?;
             eprintln!("{name} {seed}: {:?} triangles held and placed", scene.triangle_counts());

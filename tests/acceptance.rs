@@ -8,7 +8,7 @@ use satseed::camera::{Datum, RigSpec, StereoRig};
 use satseed::dataset::SceneFigures;
 use satseed::dataset::formats::HeightMap;
 use satseed::labels::{Extra, SurfaceModels, Validity, View, extract, surface_models};
-use satseed::render::{Image, Sensor, Settings, render};
+use satseed::render::{Image, Light, Sensor, Settings, render};
 use satseed_generators::Region;
 use satseed_scene::{Environment, Raster, SeedPath};
 use satseed_tracer::Tracer;
@@ -90,7 +90,7 @@ fn slope_histogram(map: &Raster<f32>) -> [usize; 91] {
 /// Bits of the green band's histogram.
 fn entropy(image: &Image) -> f64 {
     let mut counts = [0_u32; 256];
-    image.rgb.chunks_exact(3).for_each(|p| counts[usize::from(p[1])] += 1);
+    image.bytes().chunks_exact(3).for_each(|p| counts[usize::from(p[1])] += 1);
     let n = f64::from(image.width * image.height);
     counts.iter().filter(|c| **c > 0).map(|c| f64::from(*c) / n).map(|p| -p * libm::log2(p)).sum()
 }
@@ -99,7 +99,7 @@ fn entropy(image: &Image) -> f64 {
 /// which two images of the same place with other noise tell.
 fn matchable(a: &Image, b: &Image) -> f64 {
     let (width, side) = (a.width as usize, 9);
-    let green = |image: &Image, i: usize, j: usize| f64::from(image.rgb[3 * (j * width + i) + 1]);
+    let green = |image: &Image, i: usize, j: usize| f64::from(image.bytes()[3 * (j * width + i) + 1]);
     let (mut good, mut all) = (0, 0);
     for j in (0..a.height as usize - side).step_by(4) {
         for i in (0..width - side).step_by(4) {
@@ -120,14 +120,11 @@ fn matchable(a: &Image, b: &Image) -> f64 {
 #[test]
 #[ignore = "over a minute a desert without optimisation: run by ./check --long"]
 fn desert() {
-    for (seed, variant) in [1, 2, 3, 4, 5].into_iter().zip(["barchan", "transverse", "linear", "barchan", "barchan"]) {
+    use satseed_generators::desert::Variant::{Barchan, Linear, Transverse};
+    for (seed, variant) in [1, 2, 3, 4, 5].into_iter().zip([Barchan, Transverse, Linear, Barchan, Transverse]) {
         let mut region = Region::by_name("desert").expect("registered");
         let Region::Desert(p) = &mut region else { unreachable!("asked for by name") };
-        p.variant = match variant {
-            "transverse" => satseed_generators::desert::Variant::Transverse,
-            "linear" => satseed_generators::desert::Variant::Linear,
-            _ => satseed_generators::desert::Variant::Barchan,
-        };
+        p.variant = variant;
         let (models, f) = figures(&region, seed, 0.5);
         assert!((9.0..=28.0).contains(&f.relief_m), "seed {seed}: relief {} m", f.relief_m);
         let bins = slope_histogram(&models.dtm_m);
@@ -156,14 +153,15 @@ fn desert() {
         let labels = extract(&tracer, &rig, View::Left, &environment, Extra::default());
         let occluded = labels.validity.iter().filter(|v| **v == Validity::Occluded as u8).count() as f64
             / labels.validity.len() as f64;
-        let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
+        let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
+        let light = Light::of(&tracer, &environment);
         let picture = |name: &str| {
-            render(&tracer, View::Left.cameras(&rig).0, &environment, settings, &SeedPath::root(name, seed))
+            render(&tracer, View::Left.cameras(&rig).0, &light, settings, &SeedPath::root(name, seed))
         };
         let (a, b) = (picture("acceptance"), picture("acceptance, again"));
         let (bits, textured) = (entropy(&a), matchable(&a, &b));
         eprintln!(
-            "desert/{variant} {seed}: slip faces {peak} deg, over 35 deg {steep:.5}, occluded {occluded:.5}, \
+            "desert/{variant:?} {seed}: slip faces {peak} deg, over 35 deg {steep:.5}, occluded {occluded:.5}, \
              entropy {bits:.2}, textured {textured:.3}"
         );
         assert!(occluded < 0.01, "seed {seed}: occluded {occluded}");

@@ -385,6 +385,7 @@ fn more_samples_err_less() {
         match &mut region {
             Region::Canyon(p) => p.radius_m = 80.0,
             Region::Toronto(p) => p.radius_m = 80.0,
+            Region::Desert(p) => p.radius_m = 80.0,
         }
         let scene = region.build(3);
         let tracer = Tracer::new(&scene);

@@ -132,21 +132,23 @@ struct Palette {
     playa: Bands,
 }
 
-/// From the buff of coasts to the red of old inland sand; what lies between the dunes is paler and greyer.
+/// From the buff of coasts to the red of old inland sand. What lies between the dunes is greyer, but its dust is the
+/// sand's: no band may differ much more than another, or the sensor's stretch of each makes it garish.
 fn palette(rng: &mut Rng) -> Palette {
-    let buff = Bands::new(0.185, 0.265, 0.355, 0.43);
-    let orange = Bands::new(0.125, 0.212, 0.345, 0.44);
-    let red = Bands::new(0.100, 0.168, 0.320, 0.42);
+    let buff = Bands::new(0.212, 0.280, 0.345, 0.42);
+    let orange = Bands::new(0.155, 0.230, 0.335, 0.43);
+    let red = Bands::new(0.118, 0.180, 0.310, 0.41);
     let t = rng.unit() as f32 * 2.0;
     let sand = if t < 1.0 { buff.lerp(orange, t) } else { orange.lerp(red, 0.6 * (t - 1.0)) };
     let bright = rng.range(0.92, 1.08) as f32;
-    let grey = Bands::new(0.175, 0.208, 0.238, 0.28);
+    // A colour of the sand's hue that is as bright as a grey, mixed with the grey.
+    let dusty = |grey: Bands, dust: f64| grey.lerp(sand * (grey.0[1] / sand.0[1]), dust as f32);
+    let gravel = dusty(Bands::new(0.178, 0.208, 0.236, 0.28), rng.range(0.45, 0.7));
     Palette {
         sand: sand * bright,
-        // Gravel takes some of the sand's hue: its dust.
-        gravel: grey.lerp(sand, rng.range(0.12, 0.35) as f32) * rng.range(0.9, 1.1) as f32,
-        pavement: Bands::new(0.115, 0.137, 0.160, 0.20).lerp(sand, rng.range(0.05, 0.2) as f32),
-        playa: Bands::new(0.265, 0.325, 0.375, 0.42).lerp(sand, rng.range(0.0, 0.25) as f32),
+        gravel: gravel * rng.range(0.9, 1.1) as f32,
+        pavement: dusty(Bands::new(0.122, 0.140, 0.158, 0.20), rng.range(0.3, 0.55)),
+        playa: dusty(Bands::new(0.275, 0.325, 0.362, 0.41), rng.range(0.3, 0.6)),
     }
 }
 
@@ -185,7 +187,7 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
             .with(Layer::Brightness { amount: raster(channel::STAIN).affine(0.16 * k, -0.08 * k) })
             .with(Layer::Tint {
                 tint: Bands::new(-0.7, -0.15, 0.45, 0.4),
-                amount: raster(channel::HUE).affine(0.24 * k, -0.12 * k),
+                amount: raster(channel::HUE).affine(0.14 * k, -0.07 * k),
             })
             .with(Layer::Brightness { amount: product(vec![raster(channel::TRACK), ruts.clone()]).times(-0.16 * k) })
     };
@@ -229,10 +231,10 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
                 bare(),
                 raster(channel::PLAYA).ramp(0.5, 0.85),
                 Field::Warped {
-                    of: Box::new(cracks(6.5, 0.30)),
+                    of: Box::new(cracks(1.7, 0.07)),
                     seed: seed("bend"),
-                    wavelength_m: 5.0,
-                    amplitude_m: 0.8,
+                    wavelength_m: 2.2,
+                    amplitude_m: 0.35,
                 },
             ])
             .times(-0.30 * k),

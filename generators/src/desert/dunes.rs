@@ -20,6 +20,9 @@ const REPOSE: f64 = 0.6494;
 const SMOOTH_CELLS: f64 = 2.0;
 /// The same of the depth below the wind, whose contour is the brink.
 const BRINK_CELLS: f64 = 2.0;
+/// Tangents of the steepest windward side and of the steepest floor: 24 and 14 degrees.
+const BODY_LIMIT: f64 = 0.445;
+const FLOOR_LIMIT: f64 = 0.25;
 /// Depth below the wind at the brink after smoothing, cells: what a straight brink has there.
 const BRINK_DEPTH: f64 = 0.38 * BRINK_CELLS * 0.4;
 /// Further depth over which the body ends and the floor begins, cells: at a brink, and where the lee ends at its sides.
@@ -36,6 +39,15 @@ pub(super) struct Sand {
     pub(super) lee: f64,
     /// Thickness of the sand as the model has it, smoothed, m.
     pub(super) thick_m: f64,
+}
+
+/// Where the wind blows. Neither length depends on the radius that a scene asks for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Domain {
+    /// After so many metres along the wind and across it the model's sand begins anew, differently bent.
+    pub(super) period_m: f64,
+    /// Half the side of the square around the pivot that any scene lies in, m.
+    pub(super) half_m: f64,
 }
 
 /// A field of dunes.
@@ -62,11 +74,17 @@ pub(super) struct Dunes {
 const PAD: usize = 2;
 
 impl Dunes {
-    /// Dunes over a square of half side `half_m` around the origin, the highest about `height_m` high. The pattern
-    /// repeats beyond the circle within the square.
-    pub(super) fn new(half_m: f64, cell_m: f64, height_m: f64, along: DVec2, regime: &Regime, path: &SeedPath) -> Self {
-        let n = libm::round(2.0 * half_m / cell_m) as usize;
-        let cell_m = 2.0 * half_m / n as f64;
+    /// Dunes of a domain, the highest about `height_m` high.
+    pub(super) fn new(
+        domain: Domain,
+        cell_m: f64,
+        height_m: f64,
+        along: DVec2,
+        regime: &Regime,
+        path: &SeedPath,
+    ) -> Self {
+        let n = libm::round(domain.period_m / cell_m) as usize;
+        let cell_m = domain.period_m / n as f64;
         let slabs = blow(n, regime, path);
         let grid = Grid { n };
         let mut sorted = slabs.clone();
@@ -98,8 +116,11 @@ impl Dunes {
                 f32::from(u8::from(!ahead))
             })
             .collect();
-        let body = grid.smoothed_where(&height, &windward);
-        let floor = grid.smoothed_where(&height, &floor);
+        let mut body = grid.smoothed_where(&height, &windward);
+        let mut floor = grid.smoothed_where(&height, &floor);
+        // Far from where they are known both are guesses, which may jump: what rests there is never steep.
+        grid.no_steeper(&mut body, (BODY_LIMIT * cell_m) as f32);
+        grid.no_steeper(&mut floor, (FLOOR_LIMIT * cell_m) as f32);
         let depth = grid.blurred(&depth, BRINK_CELLS);
         let thick = grid.blurred(&height, 2.0);
         let end: Vec<f32> = (0..n * n)
@@ -123,7 +144,7 @@ impl Dunes {
         let empty = Raster::filled(DVec2::ZERO, 1.0, 1, 1, u32::MAX);
         let mut dunes =
             Self { along, last_wind, cell_m, n, bend, cells, sources: Vec::new(), nearest: empty, brinks: Vec::new() };
-        dunes.find_brinks(half_m);
+        dunes.find_brinks(domain.half_m);
         dunes
     }
 
@@ -325,6 +346,36 @@ impl Grid {
             }
         });
         out
+    }
+
+    /// Lowers what rises by more than `step` a cell from any of the eight neighbours.
+    fn no_steeper(&self, z: &mut [f32], step: f32) {
+        let n = self.n;
+        let diagonal = step * core::f32::consts::SQRT_2;
+        // Sweeps in both directions, each with the neighbours that it has just passed; the edges repeat.
+        for _ in 0..12 {
+            let mut lowered = false;
+            for k in 0..2 * n * n {
+                let p = if k < n * n { k } else { 2 * n * n - 1 - k };
+                let (i, j) = (p % n, p / n);
+                let (row, column, beside) = if k < n * n {
+                    ((j + n - 1) % n * n, (i + n - 1) % n, (i + 1) % n)
+                } else {
+                    ((j + 1) % n * n, (i + 1) % n, (i + n - 1) % n)
+                };
+                let most = (z[row + i] + step)
+                    .min(z[j * n + column] + step)
+                    .min(z[row + column] + diagonal)
+                    .min(z[row + beside] + diagonal);
+                if most < z[p] {
+                    z[p] = most;
+                    lowered = true;
+                }
+            }
+            if !lowered {
+                return;
+            }
+        }
     }
 
     /// Gaussian mean over the cells of a weight; far from all of them, over more and more of the surroundings.

@@ -12,7 +12,7 @@ mod werner;
 use crate::kit::terrain::tin::{Breakline, Grain, Ground, Layout, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
 use dress::slot;
-use dunes::Dunes;
+use dunes::{Domain, Dunes};
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 use relief::{DETAIL_LIMIT_M, Face, POST_M, Relief};
@@ -96,7 +96,7 @@ impl Params {
 
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
         let side_m = 2.0 * (self.radius_m + RING_M + TILE_M);
-        (90e6 + side_m * side_m * (120.0 + 60.0 * self.roughness)) as u64
+        (150e6 + side_m * side_m * (120.0 + 60.0 * self.roughness)) as u64
     }
 
     /// Side of the slab model's cells, m: a dune is as many of them high and long whatever its size.
@@ -120,6 +120,9 @@ const TILE_M: f64 = 128.0;
 /// How far the coarse ring reaches beyond the radius of full detail, m: the shadow of the highest dunes at a sun 7 degrees
 /// high, and what an oblique view shows behind the detail.
 const RING_M: f64 = 250.0;
+/// Where the wind blows, for every radius the same: so a small scene is a part of the large one. The square holds the
+/// largest scene; sand repeats only farther apart than the full detail of a whole frame is wide.
+const DOMAIN: Domain = Domain { period_m: 1536.0, half_m: 9.0 * TILE_M };
 
 fn layout(radius_m: f64) -> (Layout, f64) {
     let half = |reach: f64| libm::ceil(reach / TILE_M);
@@ -139,19 +142,23 @@ fn layout(radius_m: f64) -> (Layout, f64) {
     (Layout { origin_m, tile_m: TILE_M, columns: tiles, rows: tiles, grains }, half(radius_m) * TILE_M)
 }
 
-fn ground(params: &Params, scene_half_m: f64, window_half_m: f64, path: &SeedPath) -> Relief {
+fn ground(params: &Params, domain: Domain, window_half_m: f64, path: &SeedPath) -> Relief {
     let (s, c) = libm::sincos(path.child("wind").rng().range(0.0, core::f64::consts::TAU));
     let regime = params.regime(&path.child("regime"));
-    let dunes =
-        Dunes::new(scene_half_m, params.cell_m(), params.relief_m, DVec2::new(c, s), &regime, &path.child("dunes"));
+    let dunes = Dunes::new(domain, params.cell_m(), params.relief_m, DVec2::new(c, s), &regime, &path.child("dunes"));
     Relief::new(dunes, window_half_m, params.relief_m, params.roughness, params.shrubs, &path.child("relief"))
 }
 
 pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
+    build_within(params, DOMAIN, &path)
+}
+
+/// A scene of a domain.
+fn build_within(params: &Params, domain: Domain, path: &SeedPath) -> Scene {
     let path = path.child(params.variant());
     let (layout, window_half_m) = layout(params.radius_m);
     let scene_half_m = -layout.origin_m.x;
-    let relief = ground(params, scene_half_m, window_half_m, &path);
+    let relief = ground(params, domain, window_half_m, &path);
     let brinks: Vec<Breakline> = relief
         .dunes
         .brinks
@@ -161,7 +168,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         })
         .collect();
     let tiles = triangulate(&layout, &relief, &brinks);
-    let tracks = Tracks::new(&relief.dunes, scene_half_m, &path.child("tracks"));
+    let tracks = Tracks::new(&relief.dunes, domain.half_m, &path.child("tracks"));
     let materials = dress::materials(&relief, params.texture_contrast, &path.child("materials"));
     let mut scene = Scene {
         material_sets: vec![(0..materials.len() as u32).collect()],
@@ -183,7 +190,8 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         });
         scene.meshes.push(mesh);
     }
-    let reach_m = window_half_m.min(params.radius_m + 60.0);
+    // What stands at the rim must find the ground under all of it in full detail.
+    let reach_m = (window_half_m - 4.0).min(params.radius_m + 60.0);
     scatter::scatter(&mut scene, &relief, reach_m, params.shrubs, &path.child("scatter"));
     scene
 }

@@ -35,8 +35,9 @@ impl Mounds {
     /// Mounds of the square of half side `half_m`, `density` times as many as in nature.
     pub(super) fn new(dunes: &Dunes, half_m: f64, density: f64, path: &SeedPath) -> Self {
         let seed = path.hash_u32();
-        let first = libm::floor(-half_m / CELL_M) as i32;
-        let count = (2 * -first + 1) as usize;
+        // One cell more than the square: what stands just beyond it reaches into it.
+        let first = libm::floor(-half_m / CELL_M) as i32 - 1;
+        let count = (2 * -first) as usize;
         let cells = (0..count * count)
             .into_par_iter()
             .map(|k| mound(dunes, (first + (k % count) as i32, first + (k / count) as i32), density, seed, path))

@@ -10,7 +10,8 @@ use crate::kit::terrain::tin::Ground;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 use satseed_scene::{
-    Bands, Brdf, Class, Field, Instance, Layer, Material, Mesh, Object, Rng, Scene, SeedPath, hash_cell, unit_from_hash,
+    Bands, Brdf, Class, Field, Instance, Layer, Material, Mesh, Object, Rng, Scene, SeedPath, hash_cell, quantise_m,
+    unit_from_hash,
 };
 
 /// Different meshes of each kind.
@@ -88,12 +89,13 @@ fn variation(rng: &mut Rng) -> [f32; 4] {
     core::array::from_fn(|_| rng.signed() as f32)
 }
 
-/// The lowest ground under a thing of a radius, m.
+/// The lowest ground under a thing of a radius, m; on the lattice, so that a crop's things stand where the whole's do.
 fn lowest(relief: &Relief, p: DVec2, radius_m: f64) -> f64 {
     let d = radius_m * core::f64::consts::FRAC_1_SQRT_2;
     let around =
         [(radius_m, 0.0), (-radius_m, 0.0), (0.0, radius_m), (0.0, -radius_m), (d, d), (-d, d), (d, -d), (-d, -d)];
-    around.iter().map(|(x, y)| relief.height_m(p + DVec2::new(*x, *y))).fold(relief.height_m(p), f64::min)
+    let low = around.iter().map(|(x, y)| relief.height_m(p + DVec2::new(*x, *y))).fold(relief.height_m(p), f64::min);
+    quantise_m(low).into()
 }
 
 /// A shrub of a size, its stems in the ground.

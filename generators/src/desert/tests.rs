@@ -15,13 +15,23 @@ fn root(seed: u64) -> SeedPath {
 
 fn with_relief<T>(seed: u64, params: &Params, f: impl FnOnce(&Relief) -> T) -> T {
     let (layout, window_half_m) = layout(params.radius_m);
-    f(&ground(params, -layout.origin_m.x, window_half_m, &root(seed).child(params.variant())))
+    let half_m = -layout.origin_m.x;
+    let domain = Domain { period_m: 2.0 * half_m, half_m };
+    f(&ground(params, domain, window_half_m, &root(seed).child(params.variant())))
 }
 
 /// A small scene that several tests look at.
 fn small() -> &'static Scene {
     static SCENE: OnceLock<Scene> = OnceLock::new();
-    SCENE.get_or_init(|| build(&params(60.0, Variant::Barchan), root(1)))
+    SCENE.get_or_init(|| on_threads(2))
+}
+
+/// The domain that most tests make do with: as large as the smallest scene.
+const SMALL: Domain = Domain { period_m: 768.0, half_m: 384.0 };
+
+/// A scene in a small domain.
+fn build_small(params: &Params, path: &SeedPath) -> Scene {
+    build_within(params, SMALL, path)
 }
 
 /// World corners of all terrain triangles.
@@ -56,14 +66,14 @@ fn the_terrain_of_all_tiles_is_one_closed_surface() {
     assert_closed(small(), -layout(60.0).0.origin_m.x);
 }
 
+fn on_threads(threads: usize) -> Scene {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| build_small(&params(60.0, Variant::Barchan), &root(1)))
+}
+
 #[test]
 fn the_number_of_threads_does_not_show() {
-    let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| build(&params(60.0, Variant::Barchan), root(1)).hash())
-    };
-    assert_eq!(with(1), with(2));
-    assert_eq!(with(1), small().hash());
+    assert_eq!(on_threads(1).hash(), small().hash());
 }
 
 /// A scene of a seed with the extremes of all parameters in turn.
@@ -80,12 +90,25 @@ fn any(seed: u64) -> Params {
     }
 }
 
+/// Area of the flats within a radius, seen from above, m2.
+fn flats_m2(scene: &Scene, radius_m: f64) -> f64 {
+    let of_mesh = |mesh: &Mesh| -> f64 {
+        (0..mesh.triangles.len())
+            .filter(|t| mesh.slots[*t] == slot::FLAT)
+            .map(|t| mesh.corners(t).map(DVec3::truncate))
+            .filter(|c| c[0].length() < radius_m)
+            .map(|[a, b, c]| (b - a).perp_dot(c - a) / 2.0)
+            .sum()
+    };
+    scene.instances.iter().filter(|i| i.object == 0).map(|i| of_mesh(&scene.meshes[i.mesh as usize])).sum()
+}
+
 fn seeds_build(seeds: impl IntoParallelIterator<Item = u64>) {
     seeds.into_par_iter().for_each(|k| {
         let params = any(k);
         // Some small, some large.
         let seed = k.wrapping_mul(if k % 2 == 0 { 1 } else { 0x9e37_79b9_7f4a_7c15 });
-        let scene = build(&params, root(seed));
+        let scene = build_small(&params, &root(seed));
         scene.validate().unwrap();
         let [low, high] = params.height_bounds_m();
         for instance in &scene.instances {
@@ -94,8 +117,10 @@ fn seeds_build(seeds: impl IntoParallelIterator<Item = u64>) {
                 assert!((low..=high).contains(&z), "{k}: {z} outside {low}..{high} of {params:?}");
             }
         }
-        if params.shrubs > 0.0 {
-            assert!(scene.instances.iter().any(|i| i.object != 0), "{k}: nothing lies or grows");
+        // Within so far of the pivot; a large dune may bury all of it.
+        let flats_m2 = flats_m2(&scene, 100.0);
+        if params.shrubs > 0.0 && flats_m2 > 5000.0 {
+            assert!(scene.instances.iter().any(|i| i.object != 0), "{k}: nothing lies or grows on {flats_m2} m2");
         }
         if k % 10 == 0 {
             assert_closed(&scene, -layout(params.radius_m).0.origin_m.x);
@@ -105,7 +130,8 @@ fn seeds_build(seeds: impl IntoParallelIterator<Item = u64>) {
 
 #[test]
 fn any_seed_builds_within_the_stated_bounds() {
-    seeds_build(0..30);
+    // The last lay wholly under a dune, and nothing grew on it.
+    seeds_build(vec![0, 1, 2, 3, 4, 5, 6, 7, 8, 21]);
 }
 
 #[test]
@@ -204,9 +230,7 @@ fn assert_form(seed: u64, params: &Params) -> String {
         peak_deg + 1
     );
     assert!((32..34).contains(&peak_deg), "{text}");
-    // Where slip faces of two winds meet, the body still stands over them here and there: 0.3 % of linear dunes.
-    let most_over_35 = if variant == Variant::Linear { 5e-3 } else { 1e-3 };
-    assert!(slip_share > 0.01 && over_35 < most_over_35, "{text}");
+    assert!(slip_share > 0.01 && over_35 < 1e-3, "{text}");
     assert!((5.0..16.0).contains(&stoss_deg), "{text}");
     assert!(relief_m > params.relief_m * 0.8 && relief_m < params.relief_m * 1.9 + 4.0, "{text}");
     text
@@ -227,6 +251,49 @@ fn five_seeds_of_each_variant_have_their_form() {
     for variant in VARIANTS {
         for seed in 1..=5 {
             eprintln!("{}", assert_form(seed, &params(434.0, variant)));
+        }
+    }
+}
+
+/// What two radii have in common is the same, to the last bit.
+#[test]
+fn a_crop_is_a_part_of_the_whole() {
+    let [crop, whole] = [60.0, 150.0].map(|radius_m| build(&params(radius_m, Variant::Barchan), root(5)));
+    assert_eq!(crop.pivot_height_m.to_bits(), whole.pivot_height_m.to_bits());
+    assert_eq!(format!("{:?}", crop.materials), format!("{:?}", whole.materials));
+    let corner = |mesh: &Mesh| {
+        mesh.positions_m.iter().fold([f32::MAX; 2], |low, p| [low[0].min(p[0]), low[1].min(p[1])]).map(f32::to_bits)
+    };
+    let tiles = |scene: &Scene| -> BTreeMap<[u32; 2], Mesh> {
+        let terrain = scene.instances.iter().filter(|i| i.object == 0).map(|i| &scene.meshes[i.mesh as usize]);
+        terrain.map(|mesh| (corner(mesh), mesh.clone())).collect()
+    };
+    let (inner, outer) = (tiles(&crop), tiles(&whole));
+    for x in [-128.0_f32, 0.0] {
+        for y in [-128.0_f32, 0.0] {
+            let at = [x, y].map(f32::to_bits);
+            assert!(inner[&at].triangles.len() > 1000 && inner[&at] == outer[&at], "the tile at {x}, {y}");
+        }
+    }
+    // Things of the crop: by path, with their placement and mesh.
+    let things = |scene: &Scene| -> BTreeMap<String, String> {
+        let things = scene.instances.iter().filter(|i| i.object != 0);
+        let near = things.filter(|i| i.world_from_object.translation.truncate().length() < 110.0);
+        near.map(|i| {
+            let mesh = &scene.meshes[i.mesh as usize].positions_m;
+            let path = scene.objects[i.object as usize].path.clone();
+            (path, format!("{:?} {:?} {:?}", i.world_from_object, i.variation, mesh))
+        })
+        .collect()
+    };
+    let (few, many) = (things(&crop), things(&whole));
+    assert!(few.len() > 20, "{} things", few.len());
+    assert!(few == many, "what stands on the crop differs");
+    for k in 0..128 * 128 {
+        let p = DVec2::new(f64::from(k % 128) - 64.0, f64::from(k / 128) - 64.0) * 1.9;
+        for footprint_m in [1.0, 4.0] {
+            let [a, b] = [&crop, &whole].map(|s| s.rasters[0].sample(p, footprint_m));
+            assert_eq!(a, b, "cover at {p}");
         }
     }
 }
@@ -277,7 +344,7 @@ fn over_the_scene(params: &Params, value: impl Fn(&Relief, DVec2) -> f64) -> Vec
 
 #[test]
 fn relief_raises_dunes() {
-    let heights = [4.0, 7.0, 12.0, 20.0, 30.0].map(|relief_m| {
+    let heights = [8.5, 15.0, 30.0].map(|relief_m| {
         let all = over_the_scene(&bare(|p| p.relief_m = relief_m), |r, p| r.top_m(p).0 - r.ground_m(p));
         all[all.len() * 98 / 100]
     });
@@ -286,7 +353,7 @@ fn relief_raises_dunes() {
 
 #[test]
 fn sand_covers_more_ground() {
-    let shares = [0.4, 0.7, 1.0, 1.5, 2.0].map(|sand| {
+    let shares = [0.4, 1.0, 2.0].map(|sand| {
         let all = over_the_scene(&bare(|p| p.sand = sand), |r, p| r.dunes.sand(p).thick_m / r.dune_m());
         all.iter().filter(|t| **t > 0.05).count() as f64
     });
@@ -295,7 +362,7 @@ fn sand_covers_more_ground() {
 
 #[test]
 fn roughness_roughens() {
-    let bends = [0.0, 0.5, 1.0, 2.0].map(|roughness| {
+    let bends = [0.0, 1.0, 2.0].map(|roughness| {
         with_relief(3, &bare(|p| (p.roughness, p.shrubs) = (roughness, 0.0)), |r| {
             let z = r.window();
             let bend = |i: usize, j: usize| f64::from(z.get(i - 1, j) - 2.0 * z.get(i, j) + z.get(i + 1, j)).abs();
@@ -331,8 +398,8 @@ fn contrast_of(scene: &Scene) -> (f64, f64) {
 
 #[test]
 fn texture_contrast_goes_down_to_nothing() {
-    let found = [0.0, 0.25, 0.5, 1.0, 2.0]
-        .map(|contrast| contrast_of(&build(&bare(|p| p.texture_contrast = contrast), root(3))));
+    let found =
+        [0.0, 0.5, 2.0].map(|contrast| contrast_of(&build_small(&bare(|p| p.texture_contrast = contrast), &root(3))));
     assert!(found[0].0 < 1e-4 && found[0].1 < 1e-6, "{found:?}");
     assert_rises("deviation of the colour", &found.map(|f| f.0));
     assert_rises("tilt of the normals", &found.map(|f| f.1));
@@ -340,8 +407,8 @@ fn texture_contrast_goes_down_to_nothing() {
 
 #[test]
 fn shrubs_grow_in_number() {
-    let counts = [0.0, 0.5, 1.0, 3.0].map(|shrubs| {
-        let scene = build(&bare(|p| p.shrubs = shrubs), root(3));
+    let counts = [0.0, 1.0, 3.0].map(|shrubs| {
+        let scene = build_small(&bare(|p| p.shrubs = shrubs), &root(3));
         scene.objects.iter().filter(|o| o.class == Class::LowVegetation).count() as f64
     });
     assert_eq!(counts[0], 0.0);

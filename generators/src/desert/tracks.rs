@@ -8,6 +8,8 @@ use satseed_scene::SeedPath;
 const STEP_M: f64 = 4.0;
 /// How far ahead the driver looks, m.
 const AHEAD_M: f64 = 26.0;
+/// A track passes within so far of the pivot on each axis, m.
+const START_M: f64 = 220.0;
 /// Distances from a track beyond this are not told apart, m.
 pub(super) const REACH_M: f64 = 3.0;
 
@@ -28,7 +30,7 @@ impl Tracks {
         let lines = (0..count)
             .map(|k| {
                 let mut rng = path.index(k as u64).rng();
-                let start = DVec2::new(rng.signed(), rng.signed()) * 220.0_f64.min(0.6 * half_m);
+                let start = DVec2::new(rng.signed(), rng.signed()) * START_M;
                 let heading = rng.range(0.0, core::f64::consts::TAU);
                 let mut back = drive(dunes, half_m, start, heading + core::f64::consts::PI);
                 back.reverse();

@@ -16,6 +16,8 @@ const REPOSE_DIAGONAL: i32 = 6;
 pub(super) const SLAB: f64 = 0.6494 / REPOSE as f64;
 /// Fall of the line below which the wind does not reach, slabs per cell: 15 degrees.
 const SHADOW_FALL: f32 = (0.2679 / SLAB) as f32;
+/// Rows that are asked together.
+const STRIP: usize = 24;
 /// In 32nds: how often a hopping slab rests on sand, and on bare ground.
 const REST_ON_SAND: u32 = 19;
 const REST_ON_GROUND: u32 = 13;
@@ -52,7 +54,10 @@ pub(super) fn blow(n: usize, regime: &Regime, path: &SeedPath) -> Vec<u16> {
         field.find_lee(hop);
         for poll in 0..n * n {
             let word = rng.next_u64();
-            let from = (((word >> 32) * (n * n) as u64) >> 32) as usize;
+            // Strip after strip, so that what is asked lies near in memory; within one, in no order.
+            let first = poll / (n * STRIP) * STRIP * n;
+            let cells = (n * STRIP).min(n * n - first);
+            let from = first + (((word >> 32) * cells as u64) >> 32) as usize;
             if field.slabs[from] == 0 || field.lee[from] {
                 continue;
             }
