@@ -155,9 +155,8 @@ fn desert() {
             / labels.validity.len() as f64;
         let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
         let light = Light::of(&tracer, &environment);
-        let picture = |name: &str| {
-            render(&tracer, View::Left.cameras(&rig).0, &light, settings, &SeedPath::root(name, seed))
-        };
+        let picture =
+            |name: &str| render(&tracer, View::Left.cameras(&rig).0, &light, settings, &SeedPath::root(name, seed));
         let (a, b) = (picture("acceptance"), picture("acceptance, again"));
         let (bits, textured) = (entropy(&a), matchable(&a, &b));
         eprintln!(

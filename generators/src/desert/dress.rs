@@ -143,12 +143,12 @@ fn palette(rng: &mut Rng) -> Palette {
     let bright = rng.range(0.92, 1.08) as f32;
     // A colour of the sand's hue that is as bright as a grey, mixed with the grey.
     let dusty = |grey: Bands, dust: f64| grey.lerp(sand * (grey.0[1] / sand.0[1]), dust as f32);
-    let gravel = dusty(Bands::new(0.178, 0.208, 0.236, 0.28), rng.range(0.45, 0.7));
+    let gravel = dusty(Bands::new(0.180, 0.208, 0.234, 0.28), rng.range(0.72, 0.9));
     Palette {
         sand: sand * bright,
         gravel: gravel * rng.range(0.9, 1.1) as f32,
-        pavement: dusty(Bands::new(0.122, 0.140, 0.158, 0.20), rng.range(0.3, 0.55)),
-        playa: dusty(Bands::new(0.275, 0.325, 0.362, 0.41), rng.range(0.3, 0.6)),
+        pavement: dusty(Bands::new(0.142, 0.162, 0.180, 0.22), rng.range(0.6, 0.8)),
+        playa: dusty(Bands::new(0.262, 0.302, 0.335, 0.39), rng.range(0.62, 0.85)),
     }
 }
 
@@ -189,7 +189,7 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
                 tint: Bands::new(-0.7, -0.15, 0.45, 0.4),
                 amount: raster(channel::HUE).affine(0.14 * k, -0.07 * k),
             })
-            .with(Layer::Brightness { amount: product(vec![raster(channel::TRACK), ruts.clone()]).times(-0.16 * k) })
+            .with(Layer::Brightness { amount: product(vec![raster(channel::TRACK), ruts.clone()]).times(-0.12 * k) })
     };
     let covers = |m: Material| {
         m.with(Layer::Mix { color: apart(colors.gravel), amount: bare() })
@@ -198,18 +198,18 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
                 amount: product(vec![bare(), raster(channel::PAVEMENT)]).times(0.75),
             })
             .with(Layer::Mix { color: apart(colors.playa), amount: product(vec![bare(), raster(channel::PLAYA)]) })
-            .with(Layer::Mix { color: apart(colors.sand * 0.72), amount: raster(channel::MINERAL).times(0.65) })
+            .with(Layer::Mix { color: apart(colors.sand * 0.82), amount: raster(channel::MINERAL).times(0.65) })
             .with(Layer::Mix {
                 color: apart(colors.sand.lerp(colors.gravel, 0.5) * 0.9),
                 amount: raster(channel::RIPPLES).times(0.45),
             })
     };
     let sand = common(covers(Material::diffuse("dune sand", Class::Sand, colors.sand).rough(0.35)))
-        .with(Layer::Brightness { amount: crests("ripple tone", 2.1, 2).times(0.10 * k) })
+        .with(Layer::Brightness { amount: crests("ripple tone", 2.1, 2).times(0.055 * k) })
         .with(Layer::Brightness {
             amount: Field::Noise(Fractal::new(Space::Plan, seed("grain"), 1.1, 2).gain(1.0)).times(0.10 * k),
         })
-        .bumpy(crests("ripples", 1.5, 2), 0.07 * k);
+        .bumpy(crests("ripples", 1.5, 2), 0.035 * k);
     let slip = common(Material::diffuse("slip face", Class::Sand, colors.sand).rough(0.35))
         // Fresh sand, sorted: a little lighter, streaked downward.
         .with(Layer::Brightness { amount: Field::Constant(0.03 * k) })
@@ -218,7 +218,7 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
                 Field::Noise(Fractal::new(Space::Plan, seed("slides"), 1.4, 2).stretched([7.0, 1.0, 1.0]).gain(0.8)),
                 relief.dunes.last_wind,
             )
-            .times(0.13 * k),
+            .times(0.07 * k),
         })
         .with(Layer::Brightness {
             amount: Field::Noise(Fractal::new(Space::Plan, seed("slip grain"), 1.0, 2)).times(0.06 * k),
@@ -237,14 +237,14 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
                     amplitude_m: 0.35,
                 },
             ])
-            .times(-0.30 * k),
+            .times(-0.12 * k),
         })
         // Stones: darker and lighter specks, none on the playa.
         .with(Layer::Brightness {
             amount: product(vec![
                 bare(),
                 raster(channel::PLAYA).affine(-0.85, 1.0),
-                Field::Noise(Fractal::new(Space::Plan, seed("stones"), 1.4, 3).gain(0.95)).times(0.42 * k),
+                Field::Noise(Fractal::new(Space::Plan, seed("stones"), 1.4, 3).gain(0.95)).times(0.26 * k),
             ]),
         })
         .with(Layer::Brightness {
