@@ -151,8 +151,8 @@ fn desert() {
             aerosol_optical_depth: 0.12,
         };
         let labels = extract(&tracer, &rig, View::Left, &environment, Extra::default());
-        let occluded = labels.validity.iter().filter(|v| **v == Validity::Occluded as u8).count() as f64
-            / labels.validity.len() as f64;
+        let hidden: u32 = labels.validity.iter().map(|v| u32::from(*v == Validity::Occluded as u8)).sum();
+        let occluded = f64::from(hidden) / labels.validity.len() as f64;
         let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
         let light = Light::of(&tracer, &environment);
         let picture =
