@@ -136,3 +136,78 @@ fn a_lambert_plane_has_its_closed_form() {
     let expected = 0.4 * INV_PI * light.sky_irradiance[1];
     assert!((sky / n / expected - 1.0).abs() < 0.01, "sky {} against {expected}", sky / n);
 }
+
+/// A wall in an open plain: half the sky's irradiance under a dome that is the same everywhere, and half of what the plain
+/// sends up. The plain is lit by the sun and, where the series of bounces ends, by half the sky.
+#[test]
+fn a_wall_in_an_open_plain_sees_half_sky_and_half_ground() {
+    let far = 2.0e4;
+    let mut positions = vec![[-far, -far, 0.0], [far, -far, 0.0], [far, far, 0.0], [-far, far, 0.0]];
+    // Facing south, 12 m high and wide enough that its ends do not count; thin, so that it has no top to speak of.
+    positions.extend([[-8.0, 0.0, 0.0], [8.0, 0.0, 0.0], [8.0, 0.0, 12.0], [-8.0, 0.0, 12.0]]);
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let ground = 0.3;
+    let scene = one(positions, triangles, Material::diffuse("plain", Class::Ground, Bands::grey(ground)));
+    let tracer = Tracer::new(&scene);
+    // The sun in the south: the plain before the wall is lit, and so is the wall, but not by the sun here.
+    let environment =
+        Environment { sun_elevation_rad: 0.73, sun_azimuth_rad: core::f64::consts::PI, aerosol_optical_depth: 0.12 };
+    let sky = 40.0;
+    let light = Light {
+        sky_irradiance: Bands::grey(core::f32::consts::PI * sky),
+        sky_scale: Bands::ZERO,
+        sky_uniform: Bands::grey(sky),
+        ..Light::over(&environment, Bands::ZERO)
+    };
+    let ray = Ray { origin: DVec3::new(0.3, -40.0, 5.0), direction: DVec3::Y };
+    let hit = tracer.closest(&ray, 100.0).expect("the wall is there");
+    assert!(hit.normal.y < -0.99, "{}", hit.normal);
+    let count = 8192;
+    let rays: Vec<_> = (0..count)
+        .map(|i| (Origin::on(&hit), cosine_direction(hit.normal, Sample::new(2, 9, i, 4).square(purpose::SKY))))
+        .collect();
+    let arrived = incoming(&tracer, &light, &rays, |k| Sample::new(2, 9, k as u32, 4).square(purpose::BOUNCE_SUN));
+    let found = arrived.iter().map(|b| b[1]).sum::<f32>() * core::f32::consts::PI / count as f32;
+    let (sky, sun) = (light.sky_irradiance[1], light.sun_irradiance[1] * libm::sin(0.73) as f32);
+    let traced = 0.5 * sky + 0.5 * ground * (sun + 0.5 * sky);
+    assert!((found / traced - 1.0).abs() < 0.01, "{found} against {traced}");
+    // All bounces: what is left out is small.
+    let whole = 0.5 * sky + 0.5 * ground * (sun + sky);
+    assert!((0.93..1.0).contains(&(found / whole)), "{found} against {whole}");
+}
+
+/// The edge of a plate 100 m up, the sun in the zenith: the lit share of the disc follows from the distance, over 0.93 m.
+#[test]
+fn a_penumbra_is_as_wide_as_the_suns_disc() {
+    let far = 500.0;
+    let mut positions = vec![[-far, -far, 0.0], [far, -far, 0.0], [far, far, 0.0], [-far, far, 0.0]];
+    positions.extend([[-far, -far, 100.0], [0.0, -far, 100.0], [0.0, far, 100.0], [-far, far, 100.0]]);
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let scene = one(positions, triangles, Material::diffuse("grey", Class::Ground, Bands::grey(0.2)));
+    let tracer = Tracer::new(&scene);
+    let environment = Environment {
+        sun_elevation_rad: core::f64::consts::FRAC_PI_2,
+        sun_azimuth_rad: 0.0,
+        aerosol_optical_depth: 0.1,
+    };
+    let light = Light::over(&environment, Bands::ZERO);
+    let radius_m = 100.0 * libm::tan(Environment::SUN_ANGULAR_RADIUS_RAD);
+    assert!((2.0 * radius_m - 0.93).abs() < 0.01, "{radius_m}");
+    for t in [-1.1, -0.6, 0.0, 0.4, 0.8, 1.1_f64] {
+        let ray = Ray { origin: DVec3::new(t * radius_m, 3.0, 50.0), direction: DVec3::NEG_Z };
+        let hit = tracer.closest(&ray, 100.0).expect("the ground is there");
+        let (shade, origin) = surface(&tracer, &ray, &hit, 0.3);
+        let count = 4096;
+        let lit = (0..count)
+            .filter(|i| {
+                let square = Sample::new(6, 1, *i, 3).square(purpose::SUN);
+                let (to_sun, _) = sunlit(&light, &hit, &shade, ray.direction, square);
+                !tracer.blocked(&origin, to_sun, 1e4)
+            })
+            .count() as f64
+            / f64::from(count);
+        let c = t.clamp(-1.0, 1.0);
+        let expected = 0.5 + (libm::asin(c) + c * (1.0 - c * c).sqrt()) / core::f64::consts::PI;
+        assert!((lit - expected).abs() < 0.01, "{t}: {lit} against {expected}");
+    }
+}
