@@ -132,7 +132,7 @@ const BAD_RECIPES: &[(&str, &str, &[&str])] = &[
     (
         "[light.sun]\nlatitude_deg = 70\ndate = 2024-12-21\nlocal_solar_time = '10:30'",
         "3:8",
-        &["`light.sun.date`", "-4.3 degrees high", "10 to 90"],
+        &["`light.sun.date`", "-4.8 degrees high", "10 to 90"],
     ),
     ("[light]\naerosol_optical_depth = 2", "2:25", &["`light.aerosol_optical_depth`", "0 to 1"]),
     ("[sensor]\nsamples_per_pixel = 0", "2:21", &["`sensor.samples_per_pixel`", "1 to 4096"]),
@@ -173,6 +173,17 @@ fn bad_recipes_are_refused_where_they_are_wrong() {
     for (text, place, parts) in BAD_RECIPES {
         let place = format!("r.toml:{place}: ");
         refused("r.toml", format!("{text}{TAIL}").as_bytes(), &["r.toml"], &[&[place.as_str()], *parts].concat());
+    }
+}
+
+/// The preset `linear` writes OpenEXR: a build without it says so.
+#[cfg(not(feature = "exr"))]
+#[test]
+fn openexr_is_refused_where_it_is_not_built_in() {
+    for (text, place) in [("[sensor]\npreset = 'linear'", "2:10"), ("[sensor]\ncoding = 'exr'", "2:10")] {
+        let place = format!("r.toml:{place}: ");
+        let parts = [place.as_str(), "OpenEXR", "--features exr", "`sensor.coding`", "\"float\""];
+        refused("r.toml", format!("{text}{TAIL}").as_bytes(), &["r.toml"], &parts);
     }
 }
 
