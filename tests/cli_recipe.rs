@@ -176,7 +176,7 @@ fn bad_recipes_are_refused_where_they_are_wrong() {
     }
 }
 
-/// The preset `linear` writes OpenEXR: a build without it says so.
+/// The preset `linear` writes `OpenEXR`: a build without it says so.
 #[cfg(not(feature = "exr"))]
 #[test]
 fn openexr_is_refused_where_it_is_not_built_in() {

@@ -1,7 +1,8 @@
 //! The encodings of a dataset's files: every array has one, and the same array gives the same bytes everywhere.
 //!
 //! 8-bit arrays are PNG with fdeflate's fast filter, wider ones TIFF with deflate 6 and the predictor that fits their
-//! type, or `OpenEXR` where a recipe asks for it. All encoders are integer code without a dependence on processor, threads or clock.
+//! type, or `OpenEXR` where a recipe asks for it. All encoders are integer code without a dependence on processor,
+//! threads or clock.
 
 #[cfg(feature = "exr")]
 mod exr;
