@@ -120,6 +120,20 @@ const BAD_RECIPES: &[(&str, &str, &[&str])] = &[
     ("[light]\nsun = { elevation_deg = 5 }", "2:25", &["`light.sun.elevation_deg`", "10 to 90", "degrees"]),
     ("[light]\nsun = 45", "2:7", &["`light.sun`", "a table"]),
     ("[light]\nsun = { elevation = 5 }", "2:9", &["unknown key `elevation`", "elevation_deg"]),
+    ("[light]\nsun = { elevation_deg = 40, date = '2024-06-21' }", "2:25", &["sun.elevation_deg`", "`light.sun.date`"]),
+    (
+        "[light]\nsun = { date = '2024-06-21', latitude_deg = 43.7 }",
+        "2:7",
+        &["`light.sun.local_solar_time` is missing"],
+    ),
+    ("[light.sun]\ndate = '2024-02-30'", "2:8", &["`light.sun.date`", "2024-02-30", "\"2024-06-21\""]),
+    ("[light.sun]\nlocal_solar_time = 10.5", "2:20", &["`light.sun.local_solar_time`", "10.5", "\"10:30\""]),
+    ("[light.sun]\nlatitude_deg = 91", "2:16", &["`light.sun.latitude_deg`", "-90 to 90", "degrees"]),
+    (
+        "[light.sun]\nlatitude_deg = 70\ndate = 2024-12-21\nlocal_solar_time = '10:30'",
+        "3:8",
+        &["`light.sun.date`", "-4.8 degrees high", "10 to 90"],
+    ),
     ("[light]\naerosol_optical_depth = 2", "2:25", &["`light.aerosol_optical_depth`", "0 to 1"]),
     ("[sensor]\nsamples_per_pixel = 0", "2:21", &["`sensor.samples_per_pixel`", "1 to 4096"]),
     ("[sensor]\nsamples_per_pixel = 99999999999999", "2:21", &["`sensor.samples_per_pixel`", "1 to 4096"]),
@@ -138,7 +152,7 @@ const BAD_RECIPES: &[(&str, &str, &[&str])] = &[
     ("[sensor]\ncolour_ratio = 1\ncolour_offset_px = 0.2", "3:20", &["`sensor.colour_offset_px`", "colour_ratio"]),
     ("[sensor]\ncoding = '16bit'", "2:10", &["`sensor.coding`", "16bit", "\"11bit\""]),
     ("[sensor]\ncoding = '11bit'\ngamma = 0.5", "3:9", &["`sensor.gamma`", "\"11bit\""]),
-    ("[sensor]\npreset = 'linear'\nstretch_percent = [1, 99]", "3:19", &["stretch_percent`", "\"float\""]),
+    ("[sensor]\ncoding = 'float'\nstretch_percent = [1, 99]", "3:19", &["stretch_percent`", "\"float\""]),
     ("[sensor]\nstretch_percent = [30, 99]", "2:20", &["`sensor.stretch_percent[0]`", "0 to 20"]),
     ("[sensor]\nstretch_percent = 99", "2:19", &["`sensor.stretch_percent`", "percentiles"]),
     ("[sensor]\ngamma = 2", "2:9", &["`sensor.gamma`", "0.2 to 1"]),
@@ -159,6 +173,17 @@ fn bad_recipes_are_refused_where_they_are_wrong() {
     for (text, place, parts) in BAD_RECIPES {
         let place = format!("r.toml:{place}: ");
         refused("r.toml", format!("{text}{TAIL}").as_bytes(), &["r.toml"], &[&[place.as_str()], *parts].concat());
+    }
+}
+
+/// The preset `linear` writes `OpenEXR`: a build without it says so.
+#[cfg(not(feature = "exr"))]
+#[test]
+fn openexr_is_refused_where_it_is_not_built_in() {
+    for (text, place) in [("[sensor]\npreset = 'linear'", "2:10"), ("[sensor]\ncoding = 'exr'", "2:10")] {
+        let place = format!("r.toml:{place}: ");
+        let parts = [place.as_str(), "OpenEXR", "--features exr", "`sensor.coding`", "\"float\""];
+        refused("r.toml", format!("{text}{TAIL}").as_bytes(), &["r.toml"], &parts);
     }
 }
 

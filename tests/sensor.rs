@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use satseed::camera::{Camera, Datum};
 use satseed::dataset::formats::{Pixels, Plane};
 use satseed::render::sensor::{BandSet, Coding, ImagePixels, Noise};
-use satseed::render::{Image, Light, Sensor, Settings, develop, expose, render};
+use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, develop, expose, render};
 use satseed_generators::Region;
 use satseed_scene::{Bands, Class, Environment, Scene, SeedPath};
 use satseed_tracer::Tracer;
@@ -407,6 +407,56 @@ fn more_samples_err_less() {
         for pair in errors.windows(2) {
             // Four times the samples at least halve the error, if they were independent; strata do better.
             assert!(pair[1] < 0.62 * pair[0], "{name}: {errors:?}");
+        }
+    }
+}
+
+/// What the shared lattice errs against sampling at each point, radiance at the sensor in means of 2 x 2 pixels: what
+/// docs/images.md states. The reference's own noise is in the figures.
+#[test]
+#[ignore = "minutes without optimisation: run by ./check --long"]
+fn the_lattice_errs_little() {
+    for (name, seed) in [("canyon", 7), ("toronto", 3)] {
+        let mut region = Region::by_name(name).expect("registered");
+        match &mut region {
+            Region::Canyon(p) => p.radius_m = 120.0,
+            Region::Toronto(p) => p.radius_m = 120.0,
+        }
+        let scene = region.build(seed);
+        let tracer = Tracer::new(&scene);
+        let plain = Light::of(&tracer, &noon());
+        let shared = plain.clone().with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
+        let cameras = pair_of_cameras(256);
+        for (side, camera) in ["left", "right"].into_iter().zip(cameras) {
+            let shot = |light: &Light| {
+                let image = render(&tracer, &camera, light, of(Sensor::LINEAR, 64), &SeedPath::root("lattice", 1));
+                let values = channel(&image, 1);
+                let square = |i: usize| {
+                    let (u, v) = (2 * (i % 128), 2 * (i / 128));
+                    [0, 1, 256, 257].map(|k| values[v * 256 + u + k]).iter().sum::<f64>() / 4.0
+                };
+                (0..128 * 128).map(square).collect::<Vec<f64>>()
+            };
+            let reference = shot(&plain);
+            let mut pairs: Vec<(f64, f64)> =
+                shot(&shared).iter().zip(&reference).map(|(found, truth)| (*truth, found / truth - 1.0)).collect();
+            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let errors: Vec<f64> = pairs.iter().map(|(_, error)| *error).collect();
+            let rms = |errors: &[f64]| (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+            let dark = &errors[..errors.len() / 4];
+            let mut sizes: Vec<f64> = errors.iter().map(|e| e.abs()).collect();
+            sizes.sort_by(f64::total_cmp);
+            let tail = sizes[sizes.len() * 99 / 100];
+            let percent = |x: f64| 100.0 * x;
+            eprintln!(
+                "{name} {seed}, {side}: mean {:.2} %, rms {:.2} %; darkest quarter {:.2} %, {:.2} %; 99th percentile {:.1} %",
+                percent(mean(&errors)),
+                percent(rms(&errors)),
+                percent(mean(dark)),
+                percent(rms(dark)),
+                percent(tail)
+            );
+            assert!(mean(&errors).abs() < 0.01 && rms(&errors) < 0.05 && mean(dark).abs() < 0.02);
         }
     }
 }

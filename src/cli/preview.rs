@@ -31,7 +31,7 @@ pub(crate) fn run(args: &PreviewArgs) -> anyhow::Result<Exit> {
     let tracer = Tracer::new(&scene);
     let radius_m = region.full_detail_radius_m();
     let (camera, ambient) = match args.view {
-        View::Nadir => (nadir(&recipe, scene.pivot_height_m, args.size), recipe.light().ambient_mode()),
+        View::Nadir => (nadir(&recipe, scene.pivot_height_m, args.size), recipe.light().ambient),
         // Each pixel of a wide view lies at a place of its own: there is nothing to share.
         View::Oblique => (oblique(&tracer, scene.pivot_height_m, radius_m, args.size), AmbientMode::PerSample),
     };

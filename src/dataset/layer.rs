@@ -60,9 +60,22 @@ impl Layer {
 
     /// What values it may hold: an image what its sensor delivers, a label one kind. The usual kind comes first.
     pub fn kinds(self) -> &'static [PixelKind] {
-        use PixelKind::{Bytes4, Counts, Float, Gray, Id, Radiance, Rgb, Vector};
+        use PixelKind::{Bytes4, Counts, Float, Gray, Id, Radiance, Rgb, SceneLinear, Vector};
         match self {
-            Self::Image => &[Rgb, Gray, Bytes4, Counts(1), Counts(3), Counts(4), Radiance(1), Radiance(3), Radiance(4)],
+            Self::Image => &[
+                Rgb,
+                Gray,
+                Bytes4,
+                Counts(1),
+                Counts(3),
+                Counts(4),
+                Radiance(1),
+                Radiance(3),
+                Radiance(4),
+                SceneLinear(1),
+                SceneLinear(3),
+                SceneLinear(4),
+            ],
             Self::Validity | Self::Class | Self::Shadow | Self::Edge => &[Gray],
             Self::Disparity | Self::Elevation => &[Float],
             Self::Instance => &[Id],

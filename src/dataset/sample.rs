@@ -172,7 +172,7 @@ fn value_fault(layer: Layer, plane: &Plane, validity_map: Option<&Plane>) -> Opt
             let i = v.iter().position(|count| *count > LAST_COUNT)?;
             Some(format!("{} is {}, but a count is at most {LAST_COUNT}", at(i / usize::from(*n)), v[i]))
         }
-        (Layer::Image, Pixels::Radiance(n, v)) => {
+        (Layer::Image, Pixels::Radiance(n, v) | Pixels::SceneLinear(n, v)) => {
             let i = v.iter().position(|radiance| !radiance.is_finite())?;
             Some(format!("{} is {}, which is no radiance", at(i / usize::from(*n)), v[i]))
         }

@@ -3,9 +3,9 @@
 use crate::dataset::formats::{PixelKind, Pixels};
 use crate::dataset::{Contents, Layer, SceneContents, View};
 use crate::plan::Plan;
-use crate::recipe::{Label, Recipe};
+use crate::recipe::{Label, RadianceFile, Recipe, Sensor};
+use crate::render::Image;
 use crate::render::sensor::{Coding, ImagePixels};
-use crate::render::{Image, Sensor};
 
 /// The dataset of a plan, file by file.
 pub fn contents(recipe: &Recipe, plan: &Plan) -> Contents {
@@ -39,25 +39,31 @@ pub(super) fn layer_of(label: Label) -> Layer {
 }
 
 /// An image's values, as the dataset's formats have them.
-pub(super) fn image_pixels(image: Image) -> Pixels {
+pub(super) fn image_pixels(image: Image, file: RadianceFile) -> Pixels {
     match (image.pixels, image.channels) {
         (ImagePixels::Bytes(v), 1) => Pixels::Gray(v),
         (ImagePixels::Bytes(v), 3) => Pixels::Rgb(v),
         (ImagePixels::Bytes(v), _) => Pixels::Bytes4(v),
         (ImagePixels::Counts(v), n) => Pixels::Counts(n as u8, v),
-        (ImagePixels::Radiance(v), n) => Pixels::Radiance(n as u8, v),
+        (ImagePixels::Radiance(v), n) => match file {
+            RadianceFile::Tiff => Pixels::Radiance(n as u8, v),
+            RadianceFile::Exr => Pixels::SceneLinear(n as u8, v),
+        },
     }
 }
 
 /// What kind of values a sensor's images hold.
 fn image_kind(sensor: &Sensor) -> PixelKind {
-    let bands = sensor.bands.count() as u8;
-    match (sensor.coding, bands) {
+    let bands = sensor.imager.bands.count() as u8;
+    match (sensor.imager.coding, bands) {
         (Coding::Stretched { .. }, 1) => PixelKind::Gray,
         (Coding::Stretched { .. }, 3) => PixelKind::Rgb,
         (Coding::Stretched { .. }, _) => PixelKind::Bytes4,
         (Coding::Counts, n) => PixelKind::Counts(n),
-        (Coding::Radiance, n) => PixelKind::Radiance(n),
+        (Coding::Radiance, n) => match sensor.radiance_file {
+            RadianceFile::Tiff => PixelKind::Radiance(n),
+            RadianceFile::Exr => PixelKind::SceneLinear(n),
+        },
     }
 }
 
@@ -76,7 +82,7 @@ fn layers(recipe: &Recipe) -> Vec<(Layer, View, PixelKind)> {
         }
     }
     layers.sort_unstable();
-    let image = image_kind(&recipe.sensor().imager);
+    let image = image_kind(recipe.sensor());
     let kind = |layer: Layer| if layer == Layer::Image { image } else { layer.kinds()[0] };
     layers.into_iter().map(|(layer, view)| (layer, view, kind(layer))).collect()
 }

@@ -40,11 +40,11 @@ pub(super) fn sample(scene: &BuiltScene<'_>, pair: &PairSpec, meter: &Meter) -> 
         }
         exposures.push(meter.traced(Stage::Render, &scene.tracer, || exposure(scene, pair, &rig, view)));
     }
-    let sensor = scene.recipe.sensor().imager;
+    let (sensor, file) = (scene.recipe.sensor().imager, scene.recipe.sensor().radiance_file);
     let images = meter.traced(Stage::Render, &scene.tracer, || develop(exposures, sensor));
     for (view, image) in [View::Left, View::Right].into_iter().zip(images) {
         let (width, height) = (image.width, image.height);
-        planes.push((Layer::Image, view, Plane { width, height, pixels: image_pixels(image) }));
+        planes.push((Layer::Image, view, Plane { width, height, pixels: image_pixels(image, file) }));
     }
     planes.sort_by_key(|(layer, view, _)| (*layer, *view));
     Ok(Sample { identity: identity(scene, pair, &rig), camera: camera_file(&rig, pair), planes })

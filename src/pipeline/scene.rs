@@ -91,8 +91,7 @@ impl<'s> BuiltScene<'s> {
             Datum::Lowest => RigDatum::Height(under_the_lowest_m(scene)),
         };
         let (tracer, environment) = (Tracer::new(scene), Environment::from(recipe.light()));
-        let light =
-            Light::of(&tracer, &environment).with_ambient(recipe.light().ambient_mode(), scene.full_detail_radius_m);
+        let light = Light::of(&tracer, &environment).with_ambient(recipe.light().ambient, scene.full_detail_radius_m);
         Self { recipe, spec, tracer, environment, light, datum }
     }
 

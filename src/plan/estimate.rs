@@ -56,13 +56,13 @@ fn disk_millibytes_per_pixel(recipe: &Recipe) -> u64 {
         DisparityPrecision::Px256th => 680,
     };
     let views = if labels.has(Label::DisparityRight) { 2 } else { 1 };
-    let sensor = &recipe.sensor().imager;
-    let band = match SensorCoding::from(sensor.coding) {
+    let sensor = recipe.sensor();
+    let band = match sensor.coding() {
         SensorCoding::Stretched => 470,
         SensorCoding::Counts => 1200,
-        SensorCoding::Radiance => 3000,
+        SensorCoding::Float | SensorCoding::Exr => 3000,
     };
-    let mut sum = band * sensor.bands.count() as u64 + views * (disparity + 40) / 2;
+    let mut sum = band * sensor.imager.bands.count() as u64 + views * (disparity + 40) / 2;
     for (label, size) in [
         (Label::Class, 80),
         (Label::Elevation, 1360),

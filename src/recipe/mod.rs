@@ -16,17 +16,19 @@ mod seed_list;
 mod sensor;
 mod set;
 mod source;
+mod sun;
 mod versions;
 mod write;
 
 pub use load::{Changes, MAX_SEED_LIST_BYTES};
 pub use parts::{
-    Acquisition, Ambient, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
-    PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorBands, SensorCoding, SensorPreset, Series, SplitRule,
+    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
+    PivotAlongBaseline, Pivots, RadianceFile, SceneEntry, Sensor, SensorCoding, SensorPreset, Series, SplitRule,
 };
 pub use presets::{PRESETS, Preset};
 pub use seed_list::seed_list_line;
 pub use source::RecipeError;
+pub use sun::{Date, Sun};
 pub use versions::{STAGES, Stage};
 pub(crate) use write::{changed_parameters, parameters_text};
 

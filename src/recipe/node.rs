@@ -20,7 +20,8 @@ pub(super) enum Value {
     Integer(i128),
     Float(f64),
     Boolean(bool),
-    DateTime,
+    /// As it is written.
+    DateTime(String),
     List(Vec<Node>),
     Table(Table),
 }
@@ -49,7 +50,7 @@ impl Node {
             Value::Integer(i) => format!("{i}"),
             Value::Float(x) => format!("{x:?}"),
             Value::Boolean(b) => format!("{b}"),
-            Value::DateTime => "a date or time".to_owned(),
+            Value::DateTime(text) => format!("the date or time {}", plain(text, 60)),
             Value::List(items) => format!("a list of {}", items.len()),
             Value::Table(_) => "a table".to_owned(),
         }
@@ -65,7 +66,7 @@ pub(super) fn parse_document(source: &Arc<Source>) -> Result<Table, RecipeError>
 /// Parses one TOML value; `offset` is where `text` begins in the source. Bare text is a string: `camera.datum=pivot` needs
 /// no quotes that a shell would eat.
 pub(super) fn parse_value(source: &Arc<Source>, text: &str, offset: usize) -> Result<Node, RecipeError> {
-    let is_bare = |b: u8| b.is_ascii_alphanumeric() || b"_-./+".contains(&b);
+    let is_bare = |b: u8| b.is_ascii_alphanumeric() || b"_-./+:".contains(&b);
     match DeValue::parse(text) {
         Ok(value) => node_from(source, &value, 0, offset),
         Err(_) if text.bytes().all(is_bare) => {
@@ -118,7 +119,7 @@ fn node_from(
             _ => return Err(origin.error(format!("a number must be finite, found `{}`", plain(x.as_str(), 40)))),
         },
         DeValue::Boolean(b) => Value::Boolean(*b),
-        DeValue::Datetime(_) => Value::DateTime,
+        DeValue::Datetime(moment) => Value::DateTime(moment.to_string()),
         DeValue::Array(items) => {
             let nodes: Result<_, _> = items.iter().map(|item| node_from(source, item, depth + 1, offset)).collect();
             Value::List(nodes?)
@@ -128,17 +129,25 @@ fn node_from(
     Ok(Node { value, origin })
 }
 
-/// Keys of one table that say the same thing in two ways: naming one in a later layer drops the other of the earlier.
-const ALTERNATIVES: &[(&str, &str)] = &[("baseline_m", "convergence_deg")];
+/// Keys of one table that say the same thing in two ways: naming one in a later layer drops the others
+/// of the earlier. No table of a recipe has one of these keys with another meaning.
+const ALTERNATIVES: &[[&[&str]; 2]] = &[
+    [&["baseline_m"], &["convergence_deg"]],
+    [&["elevation_deg", "azimuth_deg"], &["date", "local_solar_time", "latitude_deg"]],
+];
 
 impl Table {
     /// Lays `upper` over this table: tables merge key by key, everything else (lists too) is replaced.
     pub(super) fn lay_over(&mut self, upper: Self) {
-        for (a, b) in ALTERNATIVES {
-            match (upper.0.contains_key(*a), upper.0.contains_key(*b)) {
-                (true, false) => drop(self.0.remove(*b)),
-                (false, true) => drop(self.0.remove(*a)),
-                _ => {}
+        for [a, b] in ALTERNATIVES {
+            let named = |keys: &[&str]| keys.iter().any(|key| upper.0.contains_key(*key));
+            let dropped: &[&str] = match (named(a), named(b)) {
+                (true, false) => b,
+                (false, true) => a,
+                _ => &[],
+            };
+            for key in dropped {
+                self.0.remove(*key);
             }
         }
         for (name, entry) in upper.0 {

@@ -1,8 +1,9 @@
 //! The tables of a recipe as types. Every value that stands in a [`Recipe`](super::Recipe) has passed its range.
 
+use super::sun::Sun;
 use crate::camera;
 use crate::render::{
-    self,
+    self, AmbientMode,
     sensor::{BandSet, Coding},
 };
 use glam::DVec3;
@@ -220,46 +221,34 @@ macro_rules! words {
     };
 }
 
-words! {
-    /// How the light of the sky and of the surfaces around is worked out.
-    Ambient {
-        /// Once per scene, on a lattice in the world that all views share: smooth shadows.
-        PerScene = "per-scene",
-        /// By one more ray for each sample: the reference, with noise in the shade.
-        PerSample = "per-sample",
-    }
+/// The words of `light.ambient`.
+pub(super) const AMBIENT: &[(&str, AmbientMode)] =
+    &[("per-scene", AmbientMode::PerScene), ("per-sample", AmbientMode::PerSample)];
+
+/// The words of `sensor.bands`.
+pub(super) const BANDS: &[(&str, BandSet)] =
+    &[("pan", BandSet::Pan), ("rgb", BandSet::Rgb), ("rgb_nir", BandSet::RgbNir)];
+
+/// The word of a value of the renderer's.
+pub(super) fn word_of<T: PartialEq>(words: &[(&'static str, T)], value: &T) -> &'static str {
+    words.iter().find(|(_, v)| v == value).map_or("", |(word, _)| word)
 }
 
 /// `[light]`: sun and air, the same for all pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Sun's elevation above the horizon, degrees, 10..90.
-    pub sun_elevation_deg: f64,
-    /// Sun's azimuth clockwise from north, degrees, -360..360.
-    pub sun_azimuth_deg: f64,
+    /// Where the sun stands.
+    pub sun: Sun,
     /// Aerosol optical depth at 550 nm, 0..1.
     pub aerosol_optical_depth: f64,
     /// How the light of the sky and of the surfaces around is worked out.
-    pub ambient: Ambient,
-}
-
-impl Light {
-    /// What the renderer takes.
-    pub fn ambient_mode(&self) -> render::AmbientMode {
-        match self.ambient {
-            Ambient::PerScene => render::AmbientMode::PerScene,
-            Ambient::PerSample => render::AmbientMode::PerSample,
-        }
-    }
+    pub ambient: AmbientMode,
 }
 
 impl From<&Light> for Environment {
     fn from(light: &Light) -> Self {
-        Self {
-            sun_elevation_rad: light.sun_elevation_deg.to_radians(),
-            sun_azimuth_rad: light.sun_azimuth_deg.to_radians(),
-            aerosol_optical_depth: light.aerosol_optical_depth,
-        }
+        let [sun_elevation_rad, sun_azimuth_rad] = light.sun.angles_deg().map(f64::to_radians);
+        Self { sun_elevation_rad, sun_azimuth_rad, aerosol_optical_depth: light.aerosol_optical_depth }
     }
 }
 
@@ -272,7 +261,7 @@ words! {
         Worldview3Rgb = "worldview3_rgb",
         /// Like GF-7's panchromatic stereo cameras, 11 bits.
         Gf7Pan = "gf7_pan",
-        /// No blur, no noise: radiance at the sensor as 32-bit floats.
+        /// No blur, no noise: radiance at the sensor as 32-bit floats in `OpenEXR`.
         Linear = "linear",
     }
 }
@@ -290,57 +279,26 @@ impl SensorPreset {
 }
 
 words! {
-    /// Which bands an image has.
-    SensorBands {
-        /// One panchromatic band.
-        Pan = "pan",
-        /// Red, green, blue.
-        Rgb = "rgb",
-        /// Red, green, blue, near infrared.
-        RgbNir = "rgb_nir",
-    }
-}
-
-impl From<SensorBands> for BandSet {
-    fn from(bands: SensorBands) -> Self {
-        match bands {
-            SensorBands::Pan => Self::Pan,
-            SensorBands::Rgb => Self::Rgb,
-            SensorBands::RgbNir => Self::RgbNir,
-        }
-    }
-}
-
-impl From<BandSet> for SensorBands {
-    fn from(bands: BandSet) -> Self {
-        match bands {
-            BandSet::Pan => Self::Pan,
-            BandSet::Rgb => Self::Rgb,
-            BandSet::RgbNir => Self::RgbNir,
-        }
-    }
-}
-
-words! {
-    /// What numbers an image holds.
+    /// What numbers an image holds, and in which kind of file where there are several.
     SensorCoding {
         /// 8 bits, stretched.
         Stretched = "8bit",
         /// 11-bit counts in 16 bits.
         Counts = "11bit",
-        /// Radiance, 32-bit floats.
-        Radiance = "float",
+        /// Radiance, 32-bit floats in a TIFF.
+        Float = "float",
+        /// Radiance, 32-bit floats in `OpenEXR`; only in builds with the feature `exr`.
+        Exr = "exr",
     }
 }
 
-impl From<Coding> for SensorCoding {
-    fn from(coding: Coding) -> Self {
-        match coding {
-            Coding::Stretched { .. } => Self::Stretched,
-            Coding::Counts => Self::Counts,
-            Coding::Radiance => Self::Radiance,
-        }
-    }
+/// The file that radiance is written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RadianceFile {
+    /// 32-bit TIFF.
+    Tiff,
+    /// `OpenEXR`.
+    Exr,
 }
 
 /// `[sensor]`.
@@ -350,6 +308,8 @@ pub struct Sensor {
     pub preset: SensorPreset,
     /// What turns radiance into pixels: the preset with what the recipe changes.
     pub imager: render::Sensor,
+    /// Which file holds its images where they are radiance.
+    pub radiance_file: RadianceFile,
     /// Rays that a pixel's colour is averaged over, 1..4096. Labels are traced through pixel centres whatever this is.
     pub samples_per_pixel: u32,
 }
@@ -358,6 +318,16 @@ impl Sensor {
     /// What the renderer takes.
     pub fn settings(&self) -> render::Settings {
         render::Settings { samples_per_pixel: self.samples_per_pixel, sensor: self.imager }
+    }
+
+    /// What its images hold, as recipes say it.
+    pub fn coding(&self) -> SensorCoding {
+        match (self.imager.coding, self.radiance_file) {
+            (Coding::Stretched { .. }, _) => SensorCoding::Stretched,
+            (Coding::Counts, _) => SensorCoding::Counts,
+            (Coding::Radiance, RadianceFile::Tiff) => SensorCoding::Float,
+            (Coding::Radiance, RadianceFile::Exr) => SensorCoding::Exr,
+        }
     }
 }
 

@@ -2,14 +2,16 @@
 
 use super::node::{Entry, Node, Table, Value};
 use super::parts::{
-    Acquisition, Ambient, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light,
+    AMBIENT, Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light,
     PivotAlongBaseline, Pivots, SceneEntry, Series, SplitRule,
 };
 use super::reader::{Reader, number, whole, word, wrong};
 use super::region::region_from;
 use super::sensor::sensor;
 use super::source::{Origin, RecipeError};
+use super::sun::sun;
 use super::{MAX_PIVOTS, MAX_SEED, MAX_STEPS, Recipe, versions};
+use crate::render::AmbientMode;
 use satseed_generators::Region;
 use std::ops::RangeInclusive;
 
@@ -227,14 +229,11 @@ fn pivot_along_baseline(table: &mut Reader) -> Result<PivotAlongBaseline, Recipe
 }
 
 fn light(mut table: Reader) -> Result<Light, RecipeError> {
-    let mut sun = table.table("sun")?;
     let light = Light {
-        sun_elevation_deg: sun.number_or("elevation_deg", 10.0..=90.0, 42.0)?,
-        sun_azimuth_deg: sun.number_or("azimuth_deg", -360.0..=360.0, 145.0)?,
+        sun: sun(table.table("sun")?)?,
         aerosol_optical_depth: table.number_or("aerosol_optical_depth", 0.0..=1.0, 0.12)?,
-        ambient: table.word("ambient", Ambient::ALL)?.unwrap_or(Ambient::PerScene),
+        ambient: table.word("ambient", AMBIENT)?.unwrap_or(AmbientMode::PerScene),
     };
-    sun.finish()?;
     table.finish()?;
     Ok(light)
 }

@@ -90,7 +90,7 @@ impl<'de> Deserializer<'de> for Node {
             },
             Value::Float(x) => visitor.visit_f64(x),
             Value::Boolean(b) => visitor.visit_bool(b),
-            Value::DateTime => Err(PlacedError::custom("a date or time has no meaning here")),
+            Value::DateTime(_) => Err(PlacedError::custom("a date or time has no meaning here")),
             Value::List(items) => visitor.visit_seq(Items(items.into_iter())),
             Value::Table(table) => visitor.visit_map(Entries { rest: table.0.into_iter(), value: None }),
         }

@@ -1,27 +1,29 @@
 //! `[sensor]`: a preset, and single settings of it changed.
 
 use super::node::{Node, Value};
-use super::parts::{Sensor, SensorBands, SensorCoding, SensorPreset};
+use super::parts::{BANDS, RadianceFile, Sensor, SensorCoding, SensorPreset, word_of};
 use super::reader::{Reader, number, wrong};
-use super::source::RecipeError;
+use super::source::{Origin, RecipeError};
 use crate::render;
-use crate::render::sensor::{Coding, MAX_MTF, MIN_MTF, Noise, PanSharpening};
+use crate::render::sensor::{BandSet, Coding, MAX_MTF, MIN_MTF, Noise, PanSharpening};
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
 pub(super) fn sensor(mut table: Reader) -> Result<Sensor, RecipeError> {
-    let preset = table.word("preset", SensorPreset::ALL)?.unwrap_or(SensorPreset::Worldview3Rgb);
+    let stated = table.word_at("preset", SensorPreset::ALL)?;
+    let preset = stated.as_ref().map_or(SensorPreset::Worldview3Rgb, |(preset, _)| *preset);
     let samples_per_pixel = table.whole("samples_per_pixel", 1..=4096)?.map_or(16, |(n, _)| n as u32);
     let mut imager = preset.sensor();
-    if let Some(bands) = table.word("bands", SensorBands::ALL)? {
-        imager.bands = bands.into();
+    if let Some(bands) = table.word("bands", BANDS)? {
+        imager.bands = bands;
     }
     optics(&mut table, &mut imager)?;
     noise(&mut table, &mut imager)?;
     sharpening(&mut table, &mut imager)?;
-    coding(&mut table, &mut imager)?;
+    let origin = stated.map_or_else(|| table.origin.clone(), |(_, origin)| origin);
+    let radiance_file = coding(&mut table, &mut imager, origin)?;
     table.finish()?;
-    Ok(Sensor { preset, imager, samples_per_pixel })
+    Ok(Sensor { preset, imager, radiance_file, samples_per_pixel })
 }
 
 fn optics(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), RecipeError> {
@@ -77,7 +79,7 @@ fn sharpening(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), Rec
     let (ratio_name, offset_name) = (table.name("colour_ratio"), table.name("colour_offset_px"));
     let ratio = table.whole("colour_ratio", 1..=8)?;
     let offset = table.number("colour_offset_px", -2.0..=2.0)?;
-    let pan = SensorBands::from(imager.bands) == SensorBands::Pan;
+    let pan = imager.bands == BandSet::Pan;
     match ratio {
         Some((n, origin)) if n > 1 && pan => {
             let message = format!("`{ratio_name}` is {n}, but a panchromatic image has no colour: 1 is its only ratio");
@@ -105,9 +107,17 @@ fn sharpening(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), Rec
     Ok(())
 }
 
-fn coding(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), RecipeError> {
-    let own = table.word("coding", SensorCoding::ALL)?;
-    let coding = own.unwrap_or_else(|| imager.coding.into());
+/// `preset` is where the preset is named.
+fn coding(table: &mut Reader, imager: &mut render::Sensor, preset: Origin) -> Result<RadianceFile, RecipeError> {
+    let name = table.name("coding");
+    let (coding, origin) = table.word_at("coding", SensorCoding::ALL)?.unwrap_or_else(|| {
+        let coding = match imager.coding {
+            Coding::Stretched { .. } => SensorCoding::Stretched,
+            Coding::Counts => SensorCoding::Counts,
+            Coding::Radiance => SensorCoding::Exr,
+        };
+        (coding, preset)
+    });
     let stretch_name = table.name("stretch_percent");
     let stretch = table.take("stretch_percent");
     let gamma = table.number("gamma", 0.2..=1.0)?;
@@ -122,9 +132,15 @@ fn coding(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), RecipeE
             return Err(origin.error(message));
         }
     }
+    if coding == SensorCoding::Exr && !cfg!(feature = "exr") {
+        return Err(origin.error(format!(
+            "this writes OpenEXR, which is not in this build: build satseed with `--features exr`, or set `{name}` to \
+             \"float\" for a TIFF of the same values"
+        )));
+    }
     imager.coding = match (coding, imager.coding) {
         (SensorCoding::Counts, _) => Coding::Counts,
-        (SensorCoding::Radiance, _) => Coding::Radiance,
+        (SensorCoding::Float | SensorCoding::Exr, _) => Coding::Radiance,
         (SensorCoding::Stretched, old @ Coding::Stretched { .. }) => old,
         (SensorCoding::Stretched, _) => Coding::WORLDVIEW3_8_BIT,
     };
@@ -136,7 +152,7 @@ fn coding(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), RecipeE
             *exponent = gamma;
         }
     }
-    Ok(())
+    Ok(if coding == SensorCoding::Exr { RadianceFile::Exr } else { RadianceFile::Tiff })
 }
 
 /// Two percentiles, the dark end's and the bright end's.
@@ -176,7 +192,7 @@ pub(super) fn write(sensor: &Sensor, out: &mut String) -> std::fmt::Result {
     let imager = &sensor.imager;
     writeln!(out, "\n[sensor]\npreset = \"{}\"", sensor.preset.word())?;
     writeln!(out, "samples_per_pixel = {}", sensor.samples_per_pixel)?;
-    writeln!(out, "bands = \"{}\"", SensorBands::from(imager.bands).word())?;
+    writeln!(out, "bands = \"{}\"", word_of(BANDS, &imager.bands))?;
     writeln!(out, "mtf_at_nyquist = {}", number_or_none(imager.optics.mtf_at_nyquist))?;
     writeln!(out, "smear_px = {:?}", imager.optics.smear_px)?;
     writeln!(out, "snr = {}", number_or_none(imager.noise.snr))?;
@@ -186,7 +202,7 @@ pub(super) fn write(sensor: &Sensor, out: &mut String) -> std::fmt::Result {
         Some(s) => writeln!(out, "colour_ratio = {}\ncolour_offset_px = {:?}", s.ratio, s.offset_px)?,
         None => writeln!(out, "colour_ratio = 1")?,
     }
-    writeln!(out, "coding = \"{}\"", SensorCoding::from(imager.coding).word())?;
+    writeln!(out, "coding = \"{}\"", sensor.coding().word())?;
     if let Coding::Stretched { low_percent, high_percent, gamma } = imager.coding {
         writeln!(out, "stretch_percent = [{low_percent:?}, {high_percent:?}]\ngamma = {gamma:?}")?;
     }

@@ -1,6 +1,6 @@
 //! A recipe as text again: the resolved recipe that stands in a dataset.
 
-use super::parts::{Azimuths, Baselines, Datum, PivotAlongBaseline, Pivots, Series};
+use super::parts::{AMBIENT, Azimuths, Baselines, Datum, PivotAlongBaseline, Pivots, Series, word_of};
 use super::source::{RecipeError, plain};
 use super::{Recipe, SceneEntry, versions};
 use satseed_generators::Region;
@@ -53,10 +53,9 @@ impl Recipe {
         }
         let light = &self.light;
         writeln!(out, "\n[light]")?;
-        let (elevation, azimuth) = (light.sun_elevation_deg, light.sun_azimuth_deg);
-        writeln!(out, "sun = {{ elevation_deg = {elevation:?}, azimuth_deg = {azimuth:?} }}")?;
+        writeln!(out, "sun = {}", light.sun.text())?;
         writeln!(out, "aerosol_optical_depth = {:?}", light.aerosol_optical_depth)?;
-        writeln!(out, "ambient = \"{}\"", light.ambient.word())?;
+        writeln!(out, "ambient = \"{}\"", word_of(AMBIENT, &light.ambient))?;
         super::sensor::write(&self.sensor, out)?;
         let labels: Vec<_> = self.labels.write.iter().map(|l| l.word()).collect();
         writeln!(out, "\n[labels]\nwrite = {labels:?}")?;

@@ -63,21 +63,16 @@ pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u
         })
         .collect();
     let rows: Vec<Vec<Bands>> = bands.into_iter().flatten().collect();
-    let data: Vec<Vec<Bands>> = (0..height as usize)
-        .into_par_iter()
-        .map(|v| {
-            let first = v * grid.fine as usize;
-            let mut sums = vec![Bands::ZERO; width as usize];
-            for (row, weight) in rows[first..].iter().zip(&along.weights) {
-                for (sum, value) in sums.iter_mut().zip(row) {
-                    *sum += *value * *weight;
-                }
+    let mut data = vec![Bands::ZERO; width as usize * height as usize];
+    data.par_chunks_mut(width as usize).enumerate().for_each(|(v, sums)| {
+        let first = v * grid.fine as usize;
+        for (row, weight) in rows[first..].iter().zip(&along.weights) {
+            for (sum, value) in sums.iter_mut().zip(row) {
+                *sum += *value * *weight;
             }
-            sums
-        })
-        .collect();
-    drop(rows);
-    Radiance { width, height, data: data.concat() }
+        }
+    });
+    Radiance { width, height, data }
 }
 
 fn weighted(kernel: &[f32], values: &[Bands]) -> Bands {

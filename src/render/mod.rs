@@ -15,6 +15,9 @@ mod light;
 mod sampling;
 pub mod sensor;
 mod shading;
+mod surface;
+#[cfg(test)]
+mod test_scenes;
 
 pub use light::{Light, Veil};
 pub use sensor::{Exposure, Image, Sensor};

@@ -1,8 +1,14 @@
 //! The encodings of a dataset's files: every array has one, and the same array gives the same bytes everywhere.
 //!
 //! 8-bit arrays are PNG with fdeflate's fast filter, wider ones TIFF with deflate 6 and the predictor that fits their
-//! type. All encoders are integer code without a dependence on processor, threads or clock.
+//! type, or `OpenEXR` where a recipe asks for it. All encoders are integer code without a dependence on processor,
+//! threads or clock.
 
+#[cfg(feature = "exr")]
+mod exr;
+#[cfg(not(feature = "exr"))]
+#[path = "no_exr.rs"]
+mod exr;
 mod png;
 mod tiff;
 
@@ -27,6 +33,8 @@ pub enum Pixels {
     Counts(u8, Vec<u16>),
     /// 32-bit floats, so many a pixel: 1, 3 or 4.
     Radiance(u8, Vec<f32>),
+    /// The same, for another kind of file.
+    SceneLinear(u8, Vec<f32>),
 }
 
 /// What kind of values an array holds; it decides the encoding.
@@ -48,6 +56,8 @@ pub enum PixelKind {
     Counts(u8),
     /// [`Pixels::Radiance`] of so many values, TIFF.
     Radiance(u8),
+    /// [`Pixels::SceneLinear`] of so many values, `OpenEXR`; only in builds with the feature `exr`.
+    SceneLinear(u8),
 }
 
 impl PixelKind {
@@ -55,6 +65,7 @@ impl PixelKind {
     pub fn extension(self) -> &'static str {
         match self {
             Self::Gray | Self::Rgb => "png",
+            Self::SceneLinear(_) => "exr",
             _ => "tif",
         }
     }
@@ -65,7 +76,7 @@ impl PixelKind {
             Self::Gray | Self::Float | Self::Id => 1,
             Self::Rgb | Self::Vector => 3,
             Self::Bytes4 => 4,
-            Self::Counts(n) | Self::Radiance(n) => n.into(),
+            Self::Counts(n) | Self::Radiance(n) | Self::SceneLinear(n) => n.into(),
         }
     }
 
@@ -77,7 +88,7 @@ impl PixelKind {
             Self::Float | Self::Id | Self::Bytes4 => 4,
             Self::Vector => 6,
             Self::Counts(n) => 2 * usize::from(n),
-            Self::Radiance(n) => 4 * usize::from(n),
+            Self::Radiance(n) | Self::SceneLinear(n) => 4 * usize::from(n),
         }
     }
 }
@@ -149,6 +160,7 @@ impl Plane {
             Pixels::Bytes4(_) => PixelKind::Bytes4,
             Pixels::Counts(n, _) => PixelKind::Counts(n),
             Pixels::Radiance(n, _) => PixelKind::Radiance(n),
+            Pixels::SceneLinear(n, _) => PixelKind::SceneLinear(n),
         }
     }
 
@@ -161,6 +173,7 @@ impl Plane {
         match &self.pixels {
             Pixels::Gray(v) | Pixels::Rgb(v) => png::encode(self.width, self.height, self.kind(), v),
             Pixels::Float(v) | Pixels::Radiance(_, v) => tiff::encode(self.width, self.height, self.kind(), v),
+            Pixels::SceneLinear(n, v) => exr::encode(self.width, self.height, usize::from(*n), v),
             Pixels::Id(v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Vector(v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Bytes4(v) => tiff::encode(self.width, self.height, self.kind(), v),
@@ -184,6 +197,7 @@ impl Plane {
         let pixels = match kind {
             PixelKind::Gray => Pixels::Gray(png::decode(bytes, kind, width, height)?),
             PixelKind::Rgb => Pixels::Rgb(png::decode(bytes, kind, width, height)?),
+            PixelKind::SceneLinear(_) => exr::decode(bytes, kind, width, height)?,
             _ => tiff::decode(bytes, kind, width, height)?,
         };
         let plane = Self { width, height, pixels };
@@ -196,7 +210,7 @@ impl Plane {
     /// # Errors
     /// As [`Plane::decode`]; what holds none of the kinds is refused as if the first was expected.
     pub fn decode_one_of(bytes: &[u8], kinds: &[PixelKind], width: u32, height: u32) -> Result<Self, FormatError> {
-        let named = if kinds.len() > 1 { png::kind_of(bytes).or_else(|| tiff::kind_of(bytes)) } else { None };
+        let named = if kinds.len() > 1 { file_kind(bytes) } else { None };
         let kind = named.filter(|kind| kinds.contains(kind)).unwrap_or(kinds[0]);
         Self::decode(bytes, kind, width, height)
     }
@@ -208,7 +222,7 @@ impl Plane {
         let bytes: Vec<u8> = match &self.pixels {
             Pixels::Gray(v) | Pixels::Rgb(v) | Pixels::Bytes4(v) => v.clone(),
             Pixels::Counts(_, v) => v.iter().map(|x| (x >> 3).min(255) as u8).collect(),
-            Pixels::Float(v) | Pixels::Radiance(_, v) => {
+            Pixels::Float(v) | Pixels::Radiance(_, v) | Pixels::SceneLinear(_, v) => {
                 let largest = v.iter().copied().filter(|x| x.is_finite()).fold(f32::MIN_POSITIVE, f32::max);
                 v.iter().map(|x| (x / largest * 255.0).clamp(0.0, 255.0) as u8).collect()
             }
@@ -228,7 +242,7 @@ impl Plane {
             Pixels::Gray(v) | Pixels::Rgb(v) | Pixels::Bytes4(v) => {
                 hasher.update(v);
             }
-            Pixels::Float(v) | Pixels::Radiance(_, v) => {
+            Pixels::Float(v) | Pixels::Radiance(_, v) | Pixels::SceneLinear(_, v) => {
                 update_chunked(&mut hasher, v, |x| x.to_bits().to_le_bytes());
             }
             Pixels::Id(v) => update_chunked(&mut hasher, v, u32::to_le_bytes),
@@ -248,7 +262,10 @@ impl Plane {
             | (Pixels::Rgb(a), Pixels::Rgb(b))
             | (Pixels::Bytes4(a), Pixels::Bytes4(b)) => first(a, b, |x, y| x == y),
             (Pixels::Counts(n, a), Pixels::Counts(m, b)) if n == m => first(a, b, |x, y| x == y),
-            (Pixels::Radiance(n, a), Pixels::Radiance(m, b)) if n == m => {
+            (Pixels::Radiance(n, a), Pixels::Radiance(m, b))
+            | (Pixels::SceneLinear(n, a), Pixels::SceneLinear(m, b))
+                if n == m =>
+            {
                 first(a, b, |x, y| x.to_bits() == y.to_bits())
             }
             (Pixels::Float(a), Pixels::Float(b)) => first(a, b, |x, y| x.to_bits() == y.to_bits()),
@@ -266,7 +283,9 @@ impl Plane {
         match &self.pixels {
             Pixels::Bytes4(v) => v.get(several(4)).map_or_else(String::new, |x| format!("{x:?}")),
             Pixels::Counts(n, v) => v.get(several(*n)).map_or_else(String::new, |x| format!("{x:?}")),
-            Pixels::Radiance(n, v) => v.get(several(*n)).map_or_else(String::new, |x| format!("{x:?}")),
+            Pixels::Radiance(n, v) | Pixels::SceneLinear(n, v) => {
+                v.get(several(*n)).map_or_else(String::new, |x| format!("{x:?}"))
+            }
             Pixels::Gray(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x}")),
             Pixels::Float(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x} ({:08x})", x.to_bits())),
             Pixels::Id(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x}")),
@@ -278,7 +297,7 @@ impl Plane {
     fn check_length(&self) -> Result<(), FormatError> {
         let found = match &self.pixels {
             Pixels::Gray(v) | Pixels::Rgb(v) | Pixels::Bytes4(v) => v.len(),
-            Pixels::Float(v) | Pixels::Radiance(_, v) => v.len(),
+            Pixels::Float(v) | Pixels::Radiance(_, v) | Pixels::SceneLinear(_, v) => v.len(),
             Pixels::Counts(_, v) => v.len(),
             Pixels::Id(v) => v.len(),
             Pixels::Vector(v) => v.len(),
@@ -296,6 +315,11 @@ impl Plane {
 /// held against it before anything is allocated.
 pub fn decoded_bytes_at_most(file_bytes: usize) -> u64 {
     (1 << 16) + 1032 * file_bytes as u64
+}
+
+/// What an image's file says that it holds.
+fn file_kind(bytes: &[u8]) -> Option<PixelKind> {
+    png::kind_of(bytes).or_else(|| tiff::kind_of(bytes)).or_else(|| exr::kind_of(bytes))
 }
 
 fn update_chunked<T: Copy, const N: usize>(hasher: &mut blake3::Hasher, values: &[T], bytes: impl Fn(T) -> [u8; N]) {
@@ -328,7 +352,7 @@ mod tests {
 
     fn planes(width: u32, height: u32) -> Vec<Plane> {
         let of = |pixels| Plane { width, height, pixels };
-        vec![
+        let mut all = vec![
             of(Pixels::Gray(ramp(width, height).map(|i| (i * 7 % 251) as u8).collect())),
             of(Pixels::Rgb(ramp(width, height).flat_map(|i| [(i % 256) as u8, (i / 3 % 256) as u8, 7]).collect())),
             of(Pixels::Float(
@@ -345,7 +369,12 @@ mod tests {
             of(Pixels::Radiance(1, ramp(width, height).map(|i| i as f32 * 0.01).collect())),
             of(Pixels::Radiance(3, ramp(width, height).flat_map(|i| [i as f32 * 0.01, 3.5, 0.0]).collect())),
             of(Pixels::Radiance(4, ramp(width, height).flat_map(|i| [i as f32 * 0.01, 3.5, 0.0, 90.0]).collect())),
-        ]
+        ];
+        if cfg!(feature = "exr") {
+            let values = |n: usize| (0..width as usize * height as usize * n).map(|i| i as f32 * 0.37 - 4.0).collect();
+            all.extend([1, 3, 4].map(|n| of(Pixels::SceneLinear(n, values(n.into())))));
+        }
+        all
     }
 
     #[test]

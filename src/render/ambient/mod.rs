@@ -24,10 +24,11 @@ use satseed_scene::Bands;
 use satseed_tracer::Tracer;
 use store::Store;
 
-/// Distance of a neighbouring node from the asker's plane at which it counts half, m.
-const HALF_WEIGHT_M: f64 = 0.25;
+/// Distance of a neighbouring node from the asker's plane at which it counts half, m: less than the depth of a window's
+/// recess, so that what lies in it does not darken the wall beside it.
+const HALF_WEIGHT_M: f64 = 0.1;
 /// Below this share of nodes that fit, the lattice does not answer.
-const LEAST_WEIGHT: f64 = 0.05;
+const LEAST_WEIGHT: f64 = 0.3;
 
 /// What a point of a surface asks.
 #[derive(Clone, Copy, Debug)]

@@ -2,9 +2,9 @@
 
 use super::super::sampling::{Sample, cosine_direction};
 use super::super::shading::incoming;
+use super::super::test_scenes;
 use super::*;
-use glam::DAffine3;
-use satseed_scene::{Class, Environment, Instance, Material, Mesh, Object, Ray, Scene};
+use satseed_scene::{Class, Environment, Material, Mesh, Ray, Scene};
 use satseed_tracer::Origin;
 
 /// Ground of reflectance 0.3 with upright blocks (low corner, high corner) of 0.5.
@@ -27,23 +27,8 @@ fn town(blocks: &[[DVec3; 2]]) -> Scene {
         }
         quad(ring.map(|q| q.with_z(b.z)), 1);
     }
-    Scene {
-        meshes: vec![mesh],
-        instances: vec![Instance {
-            mesh: 0,
-            world_from_object: DAffine3::IDENTITY,
-            object: 0,
-            material_set: 0,
-            variation: [0.0; 4],
-        }],
-        materials: vec![
-            Material::diffuse("ground", Class::Ground, Bands::grey(0.3)),
-            Material::diffuse("wall", Class::Facade, Bands::grey(0.5)),
-        ],
-        material_sets: vec![vec![0, 1]],
-        objects: vec![Object { path: "terrain".to_owned(), class: Class::Ground }],
-        ..Scene::default()
-    }
+    let material = |name: &str, class, reflectance| Material::diffuse(name, class, Bands::grey(reflectance));
+    test_scenes::of(mesh, vec![material("ground", Class::Ground, 0.3), material("wall", Class::Facade, 0.5)])
 }
 
 fn street() -> Scene {

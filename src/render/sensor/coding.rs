@@ -1,5 +1,7 @@
 //! From a signal to the numbers of a file.
 
+use rayon::prelude::*;
+
 /// Highest 11-bit count.
 const LAST_COUNT: u16 = 2047;
 /// Narrowest stretch, counts: an even field is not blown up to noise.
@@ -77,14 +79,7 @@ pub(in crate::render) fn code(exposures: Vec<Exposure>, coding: Coding) -> Vec<I
         return exposures.into_iter().map(|e| e.0).collect();
     };
     let channels = exposures.iter().map(|e| e.0.channels).max().unwrap_or(0);
-    let mut histograms = vec![[0_u64; LAST_COUNT as usize + 1]; channels];
-    for Exposure(image) in &exposures {
-        for pixel in counts(image).chunks_exact(image.channels) {
-            for (histogram, count) in histograms.iter_mut().zip(pixel) {
-                histogram[usize::from(*count)] += 1;
-            }
-        }
-    }
+    let histograms = histograms(&exposures, channels);
     let ends: Vec<[u16; 2]> =
         histograms.iter().map(|h| [percentile(h, low_percent), percentile(h, high_percent)]).collect();
     let range = |[low, high]: &[u16; 2]| high.saturating_sub(*low).max(LEAST_RANGE);
@@ -97,13 +92,35 @@ pub(in crate::render) fn code(exposures: Vec<Exposure>, coding: Coding) -> Vec<I
     exposures
         .into_iter()
         .map(|Exposure(image)| {
-            let mut bytes = Vec::with_capacity(counts(&image).len());
-            for pixel in counts(&image).chunks_exact(image.channels) {
-                bytes.extend(tables.iter().zip(pixel).map(|(table, c)| table[usize::from(*c)]));
-            }
+            let code = |(i, count): (usize, &u16)| tables[i % image.channels][usize::from(*count)];
+            let bytes = counts(&image).par_iter().enumerate().map(code).collect();
             Image { pixels: ImagePixels::Bytes(bytes), ..image }
         })
         .collect()
+}
+
+/// How often each count stands in each band of all views. Whole numbers: parts may be added in any order.
+fn histograms(exposures: &[Exposure], channels: usize) -> Vec<Vec<u64>> {
+    /// Pixels that one task counts.
+    const PART: usize = 1 << 18;
+    let empty = || vec![vec![0_u64; usize::from(LAST_COUNT) + 1]; channels];
+    let of_part = |part: &[u16]| {
+        let mut histograms = empty();
+        for pixel in part.chunks_exact(channels) {
+            for (histogram, count) in histograms.iter_mut().zip(pixel) {
+                histogram[usize::from(*count)] += 1;
+            }
+        }
+        histograms
+    };
+    let add = |mut sum: Vec<Vec<u64>>, part: Vec<Vec<u64>>| {
+        for (sum, n) in sum.iter_mut().flatten().zip(part.iter().flatten()) {
+            *sum += n;
+        }
+        sum
+    };
+    let views = exposures.par_iter().flat_map(|Exposure(image)| counts(image).par_chunks(PART * channels.max(1)));
+    views.map(of_part).reduce(empty, add)
 }
 
 fn counts(image: &Image) -> &[u16] {

@@ -18,6 +18,7 @@ use super::film::Radiance;
 use super::light::{Light, Veil};
 use rayon::prelude::*;
 use satseed_scene::{Bands, SeedPath};
+use sharpen::Sharpener;
 
 /// Which bands a sensor delivers, in the order in which they stand in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,15 +127,16 @@ impl Sensor {
         let data = match self.coding {
             Coding::Radiance => {
                 let unit = self.unit(light);
-                let scaled = signal.iter().enumerate().map(|(i, s)| s * unit[i % count]).collect();
+                let mut scaled = signal;
+                scaled.par_chunks_mut(width * count).for_each(|row| {
+                    for (i, s) in row.iter_mut().enumerate() {
+                        *s *= unit[i % count];
+                    }
+                });
                 ImagePixels::Radiance(scaled)
             }
             Coding::Counts | Coding::Stretched { .. } => {
-                let rows: Vec<Vec<u16>> = signal
-                    .par_chunks(width * count)
-                    .map(|row| row.iter().map(|s| coding::count_of(*s)).collect())
-                    .collect();
-                ImagePixels::Counts(rows.concat())
+                ImagePixels::Counts(signal.par_iter().map(|s| coding::count_of(*s)).collect())
             }
         };
         Exposure(Image { width: ground.width, height: ground.height, channels: count, pixels: data })
@@ -161,32 +163,32 @@ impl Sensor {
                 // The panchromatic unit is the mean of the bands' radiances, not of their signals.
                 let share = sharpen::pan_shares(light.white_radiance);
                 let pan = detector(4, width);
-                let row = |(v, row): (usize, &[Bands])| -> Vec<f32> {
-                    let value = |(u, g): (usize, &Bands)| pan.read(u, v, sharpen::weighted(at_sensor(*g), share));
-                    row.iter().enumerate().map(value).collect()
-                };
-                let rows: Vec<Vec<f32>> = ground.data.par_chunks(width).enumerate().map(row).collect();
-                rows.concat()
+                let value =
+                    |(i, g): (usize, &Bands)| pan.read(i % width, i / width, sharpen::weighted(at_sensor(*g), share));
+                ground.data.par_iter().enumerate().map(value).collect()
             }
             (bands, None) => {
                 let detectors: Vec<_> = bands.order().iter().map(|b| (*b, detector(*b, width))).collect();
-                let row = |(v, row): (usize, &[Bands])| -> Vec<f32> {
-                    let mut out = Vec::with_capacity(row.len() * detectors.len());
-                    for (u, g) in row.iter().enumerate() {
-                        let signal = at_sensor(*g);
-                        out.extend(detectors.iter().map(|(b, d)| d.read(u, v, signal[*b])));
+                let mut out = vec![0.0; ground.data.len() * detectors.len()];
+                let pixels = out.par_chunks_mut(detectors.len()).zip(&ground.data);
+                pixels.enumerate().for_each(|(i, (pixel, g))| {
+                    let signal = at_sensor(*g);
+                    for (value, (b, detector)) in pixel.iter_mut().zip(&detectors) {
+                        *value = detector.read(i % width, i / width, signal[*b]);
                     }
-                    out
-                };
-                let rows: Vec<Vec<f32>> = ground.data.par_chunks(width).enumerate().map(row).collect();
-                rows.concat()
+                });
+                out
             }
             (bands, Some(how)) => {
                 let colour_width = width.div_ceil(how.ratio as usize);
-                let pan = detector(4, width);
-                let colours = core::array::from_fn(|b| detector(b, colour_width));
-                let share = sharpen::pan_shares(light.white_radiance);
-                sharpen::sharpen(ground, &at_sensor, how, self.optics, share, &pan, &colours, bands.order())
+                let sharpener = Sharpener {
+                    how,
+                    optics: self.optics,
+                    share: sharpen::pan_shares(light.white_radiance),
+                    pan: detector(4, width),
+                    colours: core::array::from_fn(|b| detector(b, colour_width)),
+                };
+                sharpener.run(ground, &at_sensor, bands.order())
             }
         }
     }

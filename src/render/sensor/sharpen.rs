@@ -29,40 +29,50 @@ pub(super) fn weighted(bands: Bands, weights: [f32; 4]) -> f32 {
     bands[0] * weights[0] + bands[1] * weights[1] + bands[2] * weights[2] + bands[3] * weights[3]
 }
 
-/// The bands of `order` at full resolution, from exposed radiance.
-#[allow(clippy::too_many_arguments, reason = "one step of one sensor: it has one caller")]
-pub(super) fn sharpen(
-    ground: &Radiance,
-    at_sensor: &(impl Fn(Bands) -> Bands + Sync),
-    how: PanSharpening,
-    optics: Optics,
-    share: [f32; 4],
-    pan: &Detector,
-    colours: &[Detector; 4],
-    order: &[usize],
-) -> Vec<f32> {
-    let (width, height) = (ground.width as usize, ground.height as usize);
-    let coarse = Coarse::new(ground, at_sensor, how.ratio, optics, colours);
-    // Red lies a little to one side, blue to the other.
-    let across =
-        [-how.offset_px, 0.0, how.offset_px, 0.0].map(|offset| Taps::line(width, how.ratio, offset, coarse.width));
-    let down = Taps::line(height, how.ratio, 0.0, coarse.height);
-    let rows: Vec<Vec<f32>> = (0..height)
-        .into_par_iter()
-        .map(|v| {
+/// What sharpens: a line of panchromatic detectors and coarser lines of colour beside it.
+pub(super) struct Sharpener {
+    /// How much coarser, and where.
+    pub how: PanSharpening,
+    /// The blur of the panchromatic band.
+    pub optics: Optics,
+    /// What each band adds to the panchromatic signal, [`pan_shares`].
+    pub share: [f32; 4],
+    /// The panchromatic detectors.
+    pub pan: Detector,
+    /// Those of the scene's bands, as wide as the coarse image.
+    pub colours: [Detector; 4],
+}
+
+impl Sharpener {
+    /// The bands of `order` at full resolution, from exposed radiance and what the air and the unit of signals make of it.
+    pub(super) fn run(
+        &self,
+        ground: &Radiance,
+        at_sensor: &(impl Fn(Bands) -> Bands + Sync),
+        order: &[usize],
+    ) -> Vec<f32> {
+        let (width, height) = (ground.width as usize, ground.height as usize);
+        let coarse = Coarse::new(ground, at_sensor, self.how.ratio, self.optics, &self.colours);
+        // Red lies a little to one side, blue to the other.
+        let PanSharpening { ratio, offset_px } = self.how;
+        let across = [-offset_px, 0.0, offset_px, 0.0].map(|offset| Taps::line(width, ratio, offset, coarse.width));
+        let down = Taps::line(height, ratio, 0.0, coarse.height);
+        let mut out = vec![0.0; width * height * order.len()];
+        out.par_chunks_mut(width * order.len()).enumerate().for_each(|(v, row)| {
             let middle: Vec<Bands> =
                 (0..coarse.width).map(|i| down[v].sum(|j| coarse.data[j * coarse.width + i])).collect();
-            let mut out = Vec::with_capacity(width * order.len());
-            for (u, radiance) in ground.data[v * width..][..width].iter().enumerate() {
-                let detail = pan.read(u, v, weighted(at_sensor(*radiance), share));
+            let pixels = row.chunks_exact_mut(order.len()).zip(&ground.data[v * width..]);
+            for (u, (pixel, radiance)) in pixels.enumerate() {
+                let detail = self.pan.read(u, v, weighted(at_sensor(*radiance), self.share));
                 let colour = Bands(core::array::from_fn(|b| across[b][u].sum_band(&middle, b)));
-                let ratio = detail / weighted(colour, share).max(LEAST_SIGNAL);
-                out.extend(order.iter().map(|b| colour[*b] * ratio));
+                let ratio = detail / weighted(colour, self.share).max(LEAST_SIGNAL);
+                for (value, b) in pixel.iter_mut().zip(order) {
+                    *value = colour[*b] * ratio;
+                }
             }
-            out
-        })
-        .collect();
-    rows.concat()
+        });
+        out
+    }
 }
 
 /// The colour bands as their own coarse detectors record them.
@@ -176,7 +186,8 @@ mod tests {
         let how = PanSharpening { ratio: 4, offset_px };
         let colours = core::array::from_fn(|_| quiet(ground.width as usize / 4 + 1));
         let pan = quiet(ground.width as usize);
-        sharpen(ground, &|g| g, how, optics, pan_shares(Bands::ONE), &pan, &colours, &[2, 1, 0])
+        let sharpener = Sharpener { how, optics, share: pan_shares(Bands::ONE), pan, colours };
+        sharpener.run(ground, &|g| g, &[2, 1, 0])
     }
 
     fn field(colour: impl Fn(usize) -> Bands) -> Radiance {

@@ -112,15 +112,17 @@ impl Materials {
     /// Roofs and what is on them.
     pub(super) fn roofs(&mut self, seed: &impl Fn(&str, u64) -> u32) {
         let flat: [(Bands, f32, f32); 9] = [
-            (bgr(0.3, 0.315, 0.32), 2.6, 0.3),
-            (bgr(0.2, 0.215, 0.225), 2.2, 0.25),
-            (bgr(0.11, 0.113, 0.116), 1.0, 0.3),
-            (bgr(0.075, 0.077, 0.08), 1.0, 0.22),
-            (bgr(0.19, 0.21, 0.225), 0.0, 0.2),
-            (bgr(0.14, 0.165, 0.195), 0.0, 0.25),
-            (bgr(0.5, 0.51, 0.51), 2.8, 0.3),
-            (bgr(0.24, 0.26, 0.275), 0.0, 0.3),
-            (bgr(0.085, 0.1, 0.122), 2.0, 0.3),
+            // White membrane, aged and nearly new at the other end; grey membrane; mineral bitumen; black bitumen;
+            // pale and brown gravel; aged concrete pavers; brown bitumen (totals of LBNL's roof tables).
+            (bgr(0.54, 0.57, 0.58), 2.6, 0.32),
+            (bgr(0.31, 0.33, 0.335), 2.2, 0.3),
+            (bgr(0.14, 0.146, 0.15), 1.0, 0.3),
+            (bgr(0.055, 0.058, 0.061), 1.0, 0.3),
+            (bgr(0.2, 0.228, 0.25), 0.0, 0.25),
+            (bgr(0.135, 0.168, 0.207), 0.0, 0.28),
+            (bgr(0.67, 0.69, 0.69), 2.8, 0.2),
+            (bgr(0.205, 0.24, 0.265), 1.2, 0.3),
+            (bgr(0.08, 0.1, 0.128), 2.0, 0.3),
         ];
         for (k, (base, strip, stain)) in flat.into_iter().enumerate() {
             let m = self.add(membrane(&format!("roof {k}"), base, strip, stain, seed("roof", k as u64)));

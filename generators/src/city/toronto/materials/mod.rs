@@ -128,7 +128,7 @@ impl Materials {
                     wall,
                     of(&self.condo_glass, &mut rng),
                     self.precast[[0, 1, 2, 3, 4][pale]],
-                    self.flat_roofs[rng.weighted(&[2.0, 2.0, 0.5, 0.3, 3.0, 2.0, 0.7, 2.0, 0.6])],
+                    self.flat_roofs[rng.weighted(&[1.4, 2.0, 1.4, 1.0, 2.6, 1.9, 0.5, 1.6, 1.2])],
                 )
             }
             Kind::Office => {
@@ -138,7 +138,7 @@ impl Materials {
                     wall,
                     of(&self.office_glass, &mut rng),
                     slab,
-                    self.flat_roofs[rng.weighted(&[2.0, 2.0, 0.7, 0.3, 3.0, 2.0, 1.0, 2.0, 0.6])],
+                    self.flat_roofs[rng.weighted(&[1.5, 2.0, 1.4, 1.2, 2.4, 1.6, 0.7, 1.6, 1.0])],
                 )
             }
             Kind::Block => {
@@ -147,7 +147,7 @@ impl Materials {
                     wall,
                     of(&self.masonry_glass, &mut rng),
                     of(&self.precast, &mut rng),
-                    self.flat_roofs[rng.weighted(&[2.0, 2.0, 1.5, 1.0, 2.0, 2.0, 0.8, 2.0, 1.5])],
+                    self.flat_roofs[rng.weighted(&[1.2, 1.8, 1.8, 1.8, 2.0, 1.8, 0.4, 1.6, 1.8])],
                 )
             }
             Kind::House | Kind::Shop | Kind::Shed => {
@@ -156,7 +156,7 @@ impl Materials {
                     wall,
                     of(&self.masonry_glass, &mut rng),
                     wall,
-                    self.flat_roofs[rng.weighted(&[1.0, 2.0, 2.0, 2.0, 1.5, 1.5, 0.5, 1.5, 2.0])],
+                    self.flat_roofs[rng.weighted(&[0.8, 1.8, 2.2, 2.4, 1.5, 1.5, 0.3, 1.2, 2.2])],
                 )
             }
         };

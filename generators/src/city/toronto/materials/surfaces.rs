@@ -189,7 +189,7 @@ pub(super) fn glass(name: &str, tint: Bands, mullion: Bands, panes: f32, blinds:
         .with(Layer::Mix { color: mullion, amount: repeating(Coordinate::V, floor, 0.12, 0.95).times(0.7) })
 }
 
-/// A flat roof's covering in strips, with ponding, stains and grain.
+/// A flat roof's covering in strips, renewed part by part, with repairs, ponding, stains and grain.
 pub(super) fn membrane(name: &str, base: Bands, strip_m: f32, stain: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Roof, base).rough(0.35);
     let mut m = aged(m, seed, 0.1, 0.09);
@@ -201,6 +201,30 @@ pub(super) fn membrane(name: &str, base: Bands, strip_m: f32, stain: f32, seed: 
             .with(brightness(Field::Cells { space: Space::Object, seed, size_m, stagger: 0.0 }.times(0.05)))
             .with(brightness(repeating(along, strip_m, 0.12, 0.0).times(-0.16)));
     }
+    let cells = |s: u32, u: f32, v: f32, stagger: f32| Field::Cells {
+        space: Space::Object,
+        seed: seed ^ s,
+        size_m: [u, v, 0.0],
+        stagger,
+    };
+    // Parts of a roof are of different years. Repairs are squares, where the roof is bad, darker than what they mend or
+    // paler than it.
+    m = m.with(brightness(cells(0x61, 19.0, 14.0, 0.37).times(0.6 * stain)));
+    let bad = |s: u32| noise(seed ^ s, 31.0, 2).ramp(-0.05, 0.25);
+    let darker = Field::Product(vec![bad(0x62), cells(0x63, 3.3, 2.1, 0.4).ramp(0.72, 0.76)]);
+    let paler = Field::Product(vec![bad(0x64), cells(0x65, 5.1, 2.4, 0.3).ramp(0.84, 0.88)]);
+    m = m
+        .with(Layer::Mix { color: base.lerp(bgr(0.055, 0.058, 0.062), 0.6), amount: darker.times(0.8) })
+        .with(Layer::Mix { color: base.lerp(bgr(0.36, 0.38, 0.39), 0.4), amount: paler.times(0.8) });
+    // Dust and algae in broad tongues.
+    let dirt = Field::Warped {
+        of: Box::new(noise(seed ^ 0x66, 11.0, 4)),
+        seed: seed ^ 0x67,
+        wavelength_m: 6.0,
+        amplitude_m: 2.5,
+    };
+    m = m
+        .with(Layer::Mix { color: base.lerp(bgr(0.075, 0.09, 0.105), 0.7), amount: dirt.ramp(0.0, 0.55).times(stain) });
     let pond = noise(seed ^ 0x29, 8.0, 3);
     m.with(brightness(pond.clone().ramp(0.05, 0.3).times(-stain)))
         // The rim that a pond leaves when it dries.
