@@ -9,7 +9,7 @@ use anyhow::Context as _;
 use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
-use satseed::render::{Image, Sensor, Settings, render};
+use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
 use satseed_generators::Region;
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
@@ -34,9 +34,12 @@ fn main() -> anyhow::Result<()> {
             scene.validate()?;
             eprintln!("{name} {seed}: {:?} triangles held and placed", scene.triangle_counts());
             let tracer = Tracer::new(&scene);
-            let row = views(&tracer).map(|views| views.iter().map(|camera| picture(&tracer, camera)).collect());
-            for (sheet, cells) in sheets.iter_mut().zip(row) {
-                sheet.push(cells);
+            let own = Light::of(&tracer, &environment());
+            let shared = own.clone().with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
+            // Pixels of a wide view share little.
+            let views = views(&tracer).into_iter().zip([&own, &shared, &own]);
+            for (sheet, (cameras, light)) in sheets.iter_mut().zip(views) {
+                sheet.push(cameras.iter().map(|camera| picture(&tracer, camera, light)).collect());
             }
         }
         // The frames from above stand in one row: five of them.
@@ -90,14 +93,17 @@ fn on_ground(tracer: &Tracer, at: DVec2) -> DVec3 {
     tracer.closest(&down, 4000.0).map_or(at.extend(0.0), |hit| hit.point)
 }
 
-fn picture(tracer: &Tracer, camera: &Camera) -> Image {
-    let environment = Environment {
+fn environment() -> Environment {
+    Environment {
         sun_elevation_rad: 42.0_f64.to_radians(),
         sun_azimuth_rad: 145.0_f64.to_radians(),
         aerosol_optical_depth: 0.12,
-    };
-    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
-    render(tracer, camera, &environment, settings, &SeedPath::root("contact sheet", 0))
+    }
+}
+
+fn picture(tracer: &Tracer, camera: &Camera, light: &Light) -> Image {
+    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
+    render(tracer, camera, light, settings, &SeedPath::root("contact sheet", 0))
 }
 
 fn transposed(rows: &[Vec<Image>]) -> Vec<Vec<Image>> {
@@ -114,7 +120,7 @@ fn write(path: &Path, rows: &[Vec<Image>]) -> anyhow::Result<()> {
     for (j, row) in rows.iter().enumerate() {
         for (i, cell) in row.iter().enumerate() {
             let left = (i as u32 * (cell_width + GAP) * 3) as usize;
-            for (v, line) in cell.rgb.chunks_exact(cell_width as usize * 3).enumerate() {
+            for (v, line) in cell.bytes().chunks_exact(cell_width as usize * 3).enumerate() {
                 let start = (j as u32 * (cell_height + GAP) + v as u32) as usize * width as usize * 3 + left;
                 pixels[start..start + line.len()].copy_from_slice(line);
             }

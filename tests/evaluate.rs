@@ -256,8 +256,13 @@ fn the_report_is_one_file() {
     let (code, said) = bench.evaluate("fair", &["--report", "report.html"]);
     assert_eq!(code, Some(0), "{said}");
     let page = fs::read_to_string(bench.folder.path().join("report.html")).unwrap();
+    // The base64 of a picture may hold any word.
+    let mut text = String::new();
+    for part in page.split("data:image/png;base64,") {
+        text.push_str(if text.is_empty() { part } else { &part[part.find('"').unwrap()..] });
+    }
     for foreign in ["http", "<script", "src=\"/", "url(", "@import", "NaN", "inf"] {
-        assert!(!page.contains(foreign), "{foreign} stands in the report");
+        assert!(!text.contains(foreign), "{foreign} stands in the report");
     }
     assert!(page.contains("&lt;script&gt;&amp;.npy belongs to no sample"));
     // Eight break-downs with two plots each, four pictures of each of the two samples.

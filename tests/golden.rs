@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::ThreadPoolBuilder;
 use satseed::camera::{Datum, RigSpec, StereoRig};
 use satseed::labels::{Extra, View, ViewLabels, extract};
-use satseed::render::{Sensor, Settings, render};
+use satseed::render::{AmbientMode, Light, Sensor, Settings, develop, expose};
 use satseed_generators::Region;
 use satseed_scene::{Environment, SeedPath};
 use satseed_tracer::Tracer;
@@ -52,13 +52,17 @@ fn report(name: &str) -> String {
         writeln!(text, "{key} {}", blake3::hash(bytes).to_hex()).expect("a string takes all");
     };
     line("scene", &scene.hash());
-    for (side, view) in [("left", View::Left), ("right", View::Right)] {
+    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
+    let light = Light::of(&tracer, &environment).with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
+    let sides = [("left", View::Left), ("right", View::Right)];
+    let exposures = sides.map(|(side, view)| {
+        let noise = SeedPath::root("golden", SEED).child(side);
+        expose(&tracer, view.cameras(&rig).0, &light, settings, &noise)
+    });
+    for ((side, view), image) in sides.into_iter().zip(develop(exposures.into(), settings.sensor)) {
         let labels = extract(&tracer, &rig, view, &environment, all);
         line(&format!("{side} labels"), &label_bytes(&labels));
-        let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WorldView3Rgb };
-        let noise = SeedPath::root("golden", SEED).child(side);
-        let image = render(&tracer, view.cameras(&rig).0, &environment, settings, &noise);
-        line(&format!("{side} image"), &image.rgb);
+        line(&format!("{side} image"), image.bytes());
     }
     format!("version {}\n{text}", region.version())
 }

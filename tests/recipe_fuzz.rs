@@ -23,6 +23,17 @@ aerosol_optical_depth = 0.12
 [sensor]
 preset = "ideal"
 samples_per_pixel = 1
+bands = "rgb_nir"
+mtf_at_nyquist = 0.12
+smear_px = 0.5
+snr = 90
+read_noise = 1e-3
+column_gain = 0.002
+colour_ratio = 4
+colour_offset_px = -0.1
+coding = "8bit"
+stretch_percent = [1, 99]
+gamma = 0.6
 [labels]
 write = ["disparity_right", "class", "elevation", "instance", "normal", "shadow", "edge"]
 disparity_precision = "1/256"

@@ -10,7 +10,7 @@ mod support;
 use glam::{DAffine3, DVec2, DVec3};
 use satseed::camera::{Datum, StereoRig};
 use satseed::labels::{Extra, Validity, View, ViewLabels, extract};
-use satseed::render::{Image, Sensor, Settings, render};
+use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, develop, expose};
 use satseed_generators::Region;
 use satseed_scene::{
     Bands, Class, Environment, Field, Fractal, Layer, Material, Scene, SeedPath, Space, gradient_noise_2d,
@@ -28,7 +28,7 @@ struct Grey {
 
 impl Grey {
     fn of(image: &Image) -> Self {
-        let data = image.rgb.chunks(3).map(|p| p.iter().map(|x| f64::from(*x)).sum::<f64>() / 3.0).collect();
+        let data = image.bytes().chunks(3).map(|p| p.iter().map(|x| f64::from(*x)).sum::<f64>() / 3.0).collect();
         Self { width: image.width as usize, height: image.height as usize, data }
     }
 
@@ -120,9 +120,11 @@ fn robust_shift(samples: &[(DVec2, f64)]) -> DVec2 {
 fn images(scene: &Scene, rig: &StereoRig, sensor: Sensor, samples: u32, sun: &Environment) -> (Grey, Grey, ViewLabels) {
     let tracer = Tracer::new(scene);
     let settings = Settings { samples_per_pixel: samples, sensor };
-    let shot = |camera, side| Grey::of(&render(&tracer, camera, sun, settings, &SeedPath::root(side, 5)));
+    let light = Light::of(&tracer, sun).with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
+    let shot = |camera, side| expose(&tracer, camera, &light, settings, &SeedPath::root(side, 5));
+    let pair = develop(vec![shot(&rig.left, "left"), shot(&rig.right, "right")], sensor);
     let extra = Extra { edge: true, ..Extra::default() };
-    (shot(&rig.left, "left"), shot(&rig.right, "right"), extract(&tracer, rig, View::Left, sun, extra))
+    (Grey::of(&pair[0]), Grey::of(&pair[1]), extract(&tracer, rig, View::Left, sun, extra))
 }
 
 /// Rough ground and boxes, all with a fine texture.
@@ -168,7 +170,7 @@ fn prove(what: &str, pair: &(Grey, Grey, ViewLabels), least: usize) -> DVec2 {
 #[test]
 fn pictures_and_labels_are_registered() {
     let scene = textured();
-    for (azimuth_rad, sensor) in [(0.4, Sensor::Ideal), (-1.1, Sensor::WorldView3Rgb)] {
+    for (azimuth_rad, sensor) in [(0.4, Sensor::IDEAL), (-1.1, Sensor::WORLDVIEW3_RGB)] {
         let pair = images(&scene, &rig(azimuth_rad, 0.0, 160), sensor, 16, &noon());
         let shift = prove(&format!("{sensor:?}"), &pair, 5000);
         assert!(shift.abs().max_element() <= 0.02, "{sensor:?}: off by {shift} px");
@@ -189,7 +191,7 @@ fn pictures_and_labels_of_regions_are_registered() {
             Region::Toronto(p) => p.radius_m = 80.0,
         }
         let scene = region.build(12);
-        let pair = images(&scene, &rig(0.8, scene.pivot_height_m, 160), Sensor::WorldView3Rgb, 16, &noon());
+        let pair = images(&scene, &rig(0.8, scene.pivot_height_m, 160), Sensor::WORLDVIEW3_RGB, 16, &noon());
         let shift = prove(name, &pair, 2000);
         assert!(shift.abs().max_element() <= 0.02, "{name}: off by {shift} px");
     }

@@ -69,7 +69,9 @@ fn main() {
         let families: Vec<_> = Family::ALL.into_iter().filter(|(kind, _)| is_wanted(kind)).collect();
         if args.list {
             println!("build/{name}");
-            Family::ALL.iter().for_each(|(kind, _)| println!("{kind}/{name}"));
+            for (kind, _) in &Family::ALL {
+                println!("{kind}/{name}");
+            }
         } else if is_wanted("build") || !families.is_empty() {
             let pool = thread_pool(args.threads).expect("threads");
             results.extend(pool.install(|| of_subject(name, subject, &families, &args)));

@@ -8,7 +8,7 @@ use satseed::camera::{Camera, Datum, RigSpec, StereoRig};
 use satseed::dataset::formats::{Pixels, Plane};
 use satseed::plan::Plan;
 use satseed::recipe::{Changes, Recipe};
-use satseed::render::render;
+use satseed::render::{AmbientMode, Light, render};
 use satseed_scene::SeedPath;
 use satseed_tracer::Tracer;
 
@@ -29,13 +29,20 @@ pub(crate) fn run(args: &PreviewArgs) -> anyhow::Result<Exit> {
     let (held, placed) = scene.triangle_counts();
     tracing::info!(region = region.name(), seed, triangles = held, placed, "scene built");
     let tracer = Tracer::new(&scene);
-    let camera = match args.view {
-        View::Nadir => nadir(&recipe, scene.pivot_height_m, args.size),
-        View::Oblique => oblique(&tracer, scene.pivot_height_m, region.full_detail_radius_m(), args.size),
+    let radius_m = region.full_detail_radius_m();
+    let (camera, ambient) = match args.view {
+        View::Nadir => (nadir(&recipe, scene.pivot_height_m, args.size), recipe.light().ambient_mode()),
+        // Each pixel of a wide view lies at a place of its own: there is nothing to share.
+        View::Oblique => (oblique(&tracer, scene.pivot_height_m, radius_m, args.size), AmbientMode::PerSample),
     };
     let noise = SeedPath::root("sensor", seed).child("preview");
-    let image = render(&tracer, &camera, &recipe.light().into(), recipe.sensor().settings(), &noise);
-    let picture = Plane { width: image.width, height: image.height, pixels: Pixels::Rgb(image.rgb) };
+    let light = Light::of(&tracer, &recipe.light().into()).with_ambient(ambient, radius_m);
+    let mut settings = recipe.sensor().settings();
+    settings.sensor = settings.sensor.for_the_eye();
+    let image = render(&tracer, &camera, &light, settings, &noise);
+    let bytes = image.bytes().to_vec();
+    let pixels = if image.channels == 1 { Pixels::Gray(bytes) } else { Pixels::Rgb(bytes) };
+    let picture = Plane { width: image.width, height: image.height, pixels };
     std::fs::write(&args.output, picture.encode()?)
         .with_context(|| format!("cannot write the picture to {}", args.output.display()))?;
     Ok(Exit::Fine)

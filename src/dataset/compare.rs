@@ -26,7 +26,7 @@ pub fn compare_sample(
     findings.extend(compare_text(record, "camera", &format!("{}/camera.json", record.id()), &camera));
     for (layer, view, plane) in &made.planes {
         let name = layer.key(*view);
-        let path = format!("{}/{}", record.id(), layer.file_name(*view));
+        let path = format!("{}/{}", record.id(), layer.file_name(*view, plane.kind()));
         names.push(name.clone());
         let Some(standing) = record.files.get(&name) else {
             findings.push(Finding::new(path, Fault::NotReproduced, "the record does not name it"));
@@ -37,7 +37,7 @@ pub fn compare_sample(
         if new.pixels_blake3 != standing.pixels_blake3 {
             let camera = if *view == View::Left { &made.camera.left } else { &made.camera.right };
             let read = dataset.store().get(&standing.path).ok();
-            let old = read.and_then(|b| Plane::decode(&b, layer.kind(), camera.width_px, camera.height_px).ok());
+            let old = read.and_then(|b| Plane::decode(&b, plane.kind(), camera.width_px, camera.height_px).ok());
             findings.push(Finding::new(
                 &new.path,
                 Fault::NotReproduced,

@@ -24,7 +24,7 @@ impl View {
 /// An array of a view: its image or one of its labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Layer {
-    /// What the sensor recorded, RGB.
+    /// What the sensor recorded.
     Image,
     /// `u_L - u_R`, px, wherever something was hit.
     Disparity,
@@ -58,14 +58,15 @@ impl Layer {
         Self::Edge,
     ];
 
-    /// What values it holds.
-    pub fn kind(self) -> PixelKind {
+    /// What values it may hold: an image what its sensor delivers, a label one kind. The usual kind comes first.
+    pub fn kinds(self) -> &'static [PixelKind] {
+        use PixelKind::{Bytes4, Counts, Float, Gray, Id, Radiance, Rgb, Vector};
         match self {
-            Self::Image => PixelKind::Rgb,
-            Self::Validity | Self::Class | Self::Shadow | Self::Edge => PixelKind::Gray,
-            Self::Disparity | Self::Elevation => PixelKind::Float,
-            Self::Instance => PixelKind::Id,
-            Self::Normal => PixelKind::Vector,
+            Self::Image => &[Rgb, Gray, Bytes4, Counts(1), Counts(3), Counts(4), Radiance(1), Radiance(3), Radiance(4)],
+            Self::Validity | Self::Class | Self::Shadow | Self::Edge => &[Gray],
+            Self::Disparity | Self::Elevation => &[Float],
+            Self::Instance => &[Id],
+            Self::Normal => &[Vector],
         }
     }
 
@@ -85,9 +86,9 @@ impl Layer {
         format!("{name}_{}", view.name())
     }
 
-    /// Its file's name in a sample's folder: `left.png`, `disparity_left.tif`.
-    pub fn file_name(self, view: View) -> String {
-        format!("{}.{}", self.key(view), self.kind().extension())
+    /// The name, in a sample's folder, of its file with values of a kind: `left.png`, `disparity_left.tif`.
+    pub fn file_name(self, view: View, kind: PixelKind) -> String {
+        format!("{}.{}", self.key(view), kind.extension())
     }
 
     /// The layer and view of a key in a record's file table.
@@ -108,6 +109,9 @@ pub mod validity {
     pub const OUT_OF_FRAME: u8 = 3;
 }
 
+/// The highest count of an 11-bit image.
+pub(super) const LAST_COUNT: u16 = 2047;
+
 /// The highest semantic class.
 pub const LAST_CLASS: u8 = 14;
 
@@ -122,8 +126,9 @@ mod tests {
                 assert_eq!(Layer::from_key(&layer.key(view)), Some((layer, view)));
             }
         }
-        assert_eq!(Layer::Image.file_name(View::Right), "right.png");
-        assert_eq!(Layer::Disparity.file_name(View::Left), "disparity_left.tif");
+        assert_eq!(Layer::Image.file_name(View::Right, PixelKind::Rgb), "right.png");
+        assert_eq!(Layer::Image.file_name(View::Left, PixelKind::Counts(1)), "left.tif");
+        assert_eq!(Layer::Disparity.file_name(View::Left, PixelKind::Float), "disparity_left.tif");
         assert_eq!(Layer::from_key("disparity"), None);
     }
 }

@@ -151,7 +151,7 @@ pub(super) fn decode_plane(
     view: View,
 ) -> Result<Plane, ReadError> {
     let camera = if view == View::Left { &camera.left } else { &camera.right };
-    Plane::decode(bytes, layer.kind(), camera.width_px, camera.height_px)
+    Plane::decode_one_of(bytes, layer.kinds(), camera.width_px, camera.height_px)
         .map_err(|e: FormatError| fault(&file.path, &e.to_string()))
 }
 

@@ -2,7 +2,7 @@
 
 use super::camera_file::CameraFile;
 use super::formats::{MISS, Pixels, Plane};
-use super::layer::{LAST_CLASS, Layer, View, validity};
+use super::layer::{LAST_CLASS, LAST_COUNT, Layer, View, validity};
 use serde::{Deserialize, Serialize};
 
 /// Who a sample is: what its record says before any pixel is counted, under the same names.
@@ -107,7 +107,7 @@ impl Sample {
     }
 
     fn left_labels(&self) -> Result<(&[f32], &[u8]), ContentError> {
-        let missing = |layer: Layer| ContentError { file: layer.file_name(View::Left), what: "it is missing".into() };
+        let missing = |layer: Layer| ContentError { file: usual_name(layer), what: "it is missing".into() };
         match (self.plane(Layer::Disparity, View::Left), self.plane(Layer::Validity, View::Left)) {
             (Some(Plane { pixels: Pixels::Float(d), .. }), Some(Plane { pixels: Pixels::Gray(v), .. })) => Ok((d, v)),
             (None, _) => Err(missing(Layer::Disparity)),
@@ -123,17 +123,18 @@ impl Sample {
         let (disparity, validity) = self.left_labels()?;
         let fault = |file: String, what: String| Err(ContentError { file, what });
         if self.plane(Layer::Image, View::Left).is_none() {
-            return fault(Layer::Image.file_name(View::Left), "it is missing".into());
+            return fault(usual_name(Layer::Image), "it is missing".into());
         }
         for (layer, view, plane) in &self.planes {
             let camera = if *view == View::Left { &self.camera.left } else { &self.camera.right };
-            let file = layer.file_name(*view);
+            let file = layer.file_name(*view, plane.kind());
             if (plane.width, plane.height) != (camera.width_px, camera.height_px) {
                 let (w, h) = (camera.width_px, camera.height_px);
                 return fault(file, format!("{} x {} px, but the camera has {w} x {h}", plane.width, plane.height));
             }
-            if plane.kind() != layer.kind() {
-                return fault(file, format!("it holds {:?}, but must hold {:?}", plane.kind(), layer.kind()));
+            if !layer.kinds().contains(&plane.kind()) {
+                let usual = layer.kinds()[0];
+                return fault(file, format!("it holds {:?}, but must hold {usual:?}", plane.kind()));
             }
             if let Some(what) = value_fault(*layer, plane, self.plane(Layer::Validity, *view)) {
                 return fault(file, what);
@@ -145,10 +146,15 @@ impl Sample {
                 "disparities run over {range:?}, but the camera file says {:?}",
                 self.camera.disparity_range_px
             );
-            return fault(Layer::Disparity.file_name(View::Left), what);
+            return fault(usual_name(Layer::Disparity), what);
         }
         Ok(())
     }
+}
+
+/// The name of a left view's file, as most datasets have it.
+fn usual_name(layer: Layer) -> String {
+    layer.file_name(View::Left, layer.kinds()[0])
 }
 
 /// The first value that its layer cannot hold.
@@ -162,6 +168,14 @@ fn value_fault(layer: Layer, plane: &Plane, validity_map: Option<&Plane>) -> Opt
         (Layer::Validity, Pixels::Gray(v)) => above(v, validity::OUT_OF_FRAME, "validity"),
         (Layer::Class, Pixels::Gray(v)) => above(v, LAST_CLASS, "class"),
         (Layer::Edge, Pixels::Gray(v)) => above(v, 1, "edge mark"),
+        (Layer::Image, Pixels::Counts(n, v)) => {
+            let i = v.iter().position(|count| *count > LAST_COUNT)?;
+            Some(format!("{} is {}, but a count is at most {LAST_COUNT}", at(i / usize::from(*n)), v[i]))
+        }
+        (Layer::Image, Pixels::Radiance(n, v)) => {
+            let i = v.iter().position(|radiance| !radiance.is_finite())?;
+            Some(format!("{} is {}, which is no radiance", at(i / usize::from(*n)), v[i]))
+        }
         (Layer::Disparity | Layer::Elevation, Pixels::Float(values)) => {
             let map = match validity_map.map(|p| &p.pixels) {
                 Some(Pixels::Gray(map)) if map.len() == values.len() => Some(map),

@@ -5,7 +5,7 @@
 //! of its samples, and the manifest is the parts, both derived from what the records say and from nothing in memory.
 //! Whatever the moment of a crash, what is missing is made by the same command again, and all bytes come out the same.
 
-use super::formats::{FormatError, HeightMap, Plane, encode_height_map};
+use super::formats::{FormatError, HeightMap, PixelKind, Plane, encode_height_map};
 use super::layer::{Layer, View};
 use super::manifest::{MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE};
 use super::ownership::refusal;
@@ -24,8 +24,8 @@ pub struct Contents {
     pub recipe_toml: String,
     /// Scenes in plan order.
     pub scenes: Vec<SceneContents>,
-    /// Which arrays every sample has.
-    pub layers: Vec<(Layer, View)>,
+    /// Which arrays every sample has, of which kind.
+    pub layers: Vec<(Layer, View, PixelKind)>,
 }
 
 /// What one scene's folder holds.
@@ -232,7 +232,7 @@ impl<'a> Writer<'a> {
             .planes
             .par_iter()
             .map(|(layer, view, plane)| {
-                let file = MadeFile::array(format!("{id}/{}", layer.file_name(*view)), plane)?;
+                let file = MadeFile::array(format!("{id}/{}", layer.file_name(*view, plane.kind())), plane)?;
                 Ok((layer.key(*view), file))
             })
             .collect::<Result<_, WriteError>>()?;
@@ -353,7 +353,9 @@ impl Contents {
         }
         for id in self.ids() {
             paths.extend([SAMPLE, "camera.json"].map(|f| format!("{id}/{f}")));
-            paths.extend(self.layers.iter().map(|(layer, view)| format!("{id}/{}", layer.file_name(*view))));
+            let name =
+                |(layer, view, kind): &(Layer, View, PixelKind)| format!("{id}/{}", layer.file_name(*view, *kind));
+            paths.extend(self.layers.iter().map(name));
         }
         paths
     }

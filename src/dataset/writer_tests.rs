@@ -11,7 +11,7 @@ pub(crate) fn contents() -> Contents {
         name: name.to_owned(),
         samples: samples.iter().map(|s| (*s).to_owned()).collect(),
     };
-    let layers = synthetic("a", "b", 4, 4).planes.iter().map(|(l, v, _)| (*l, *v)).collect();
+    let layers = synthetic("a", "b", 4, 4).planes.iter().map(|(l, v, p)| (*l, *v, p.kind())).collect();
     Contents {
         recipe_toml: "# satseed 0.1.0\n# plan 0123\nseed = 1\n".into(),
         scenes: vec![

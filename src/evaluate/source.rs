@@ -124,7 +124,7 @@ impl<'a> Item<'a> {
                 let plane = |layer| Ok::<_, EvaluateError>(dataset.plane(record, &camera, layer, View::Left)?.pixels);
                 Ok(Maps {
                     size: Size { width: camera.left.width_px, height: camera.left.height_px },
-                    rgb: bytes(plane(Layer::Image)?),
+                    rgb: dataset.plane(record, &camera, Layer::Image, View::Left)?.to_rgb8(),
                     disparity_px: floats(plane(Layer::Disparity)?),
                     validity: bytes(plane(Layer::Validity)?),
                 })

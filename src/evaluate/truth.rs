@@ -47,7 +47,9 @@ impl Truth {
         let jump_distances = squared_distances(&jumps, width);
         let bins = By::ALL.map(|by| {
             Ok::<_, ReadError>(Some(match by {
-                By::Texture => contrast_steps(&bytes(plane(Layer::Image)?), width),
+                By::Texture => {
+                    contrast_steps(&dataset.plane(record, &camera, Layer::Image, View::Left)?.to_rgb8(), width)
+                }
                 By::Disparity => disparity_px.iter().map(|d| disparity_bins.bin(*d)).collect(),
                 By::Height => {
                     let Some(ground) = ground else { return Ok(None) };

@@ -1,8 +1,11 @@
 //! What the dataset of a plan holds.
 
+use crate::dataset::formats::{PixelKind, Pixels};
 use crate::dataset::{Contents, Layer, SceneContents, View};
 use crate::plan::Plan;
-use crate::recipe::{Label, Labels, Recipe};
+use crate::recipe::{Label, Recipe};
+use crate::render::sensor::{Coding, ImagePixels};
+use crate::render::{Image, Sensor};
 
 /// The dataset of a plan, file by file.
 pub fn contents(recipe: &Recipe, plan: &Plan) -> Contents {
@@ -13,7 +16,7 @@ pub fn contents(recipe: &Recipe, plan: &Plan) -> Contents {
     Contents {
         recipe_toml: recipe_text(recipe, plan),
         scenes: plan.scenes.iter().map(scene).collect(),
-        layers: layers(recipe.labels()),
+        layers: layers(recipe),
     }
 }
 
@@ -35,7 +38,31 @@ pub(super) fn layer_of(label: Label) -> Layer {
     }
 }
 
-fn layers(labels: &Labels) -> Vec<(Layer, View)> {
+/// An image's values, as the dataset's formats have them.
+pub(super) fn image_pixels(image: Image) -> Pixels {
+    match (image.pixels, image.channels) {
+        (ImagePixels::Bytes(v), 1) => Pixels::Gray(v),
+        (ImagePixels::Bytes(v), 3) => Pixels::Rgb(v),
+        (ImagePixels::Bytes(v), _) => Pixels::Bytes4(v),
+        (ImagePixels::Counts(v), n) => Pixels::Counts(n as u8, v),
+        (ImagePixels::Radiance(v), n) => Pixels::Radiance(n as u8, v),
+    }
+}
+
+/// What kind of values a sensor's images hold.
+fn image_kind(sensor: &Sensor) -> PixelKind {
+    let bands = sensor.bands.count() as u8;
+    match (sensor.coding, bands) {
+        (Coding::Stretched { .. }, 1) => PixelKind::Gray,
+        (Coding::Stretched { .. }, 3) => PixelKind::Rgb,
+        (Coding::Stretched { .. }, _) => PixelKind::Bytes4,
+        (Coding::Counts, n) => PixelKind::Counts(n),
+        (Coding::Radiance, n) => PixelKind::Radiance(n),
+    }
+}
+
+fn layers(recipe: &Recipe) -> Vec<(Layer, View, PixelKind)> {
+    let labels = recipe.labels();
     let mut layers = vec![
         (Layer::Image, View::Left),
         (Layer::Image, View::Right),
@@ -49,5 +76,7 @@ fn layers(labels: &Labels) -> Vec<(Layer, View)> {
         }
     }
     layers.sort_unstable();
-    layers
+    let image = image_kind(&recipe.sensor().imager);
+    let kind = |layer: Layer| if layer == Layer::Image { image } else { layer.kinds()[0] };
+    layers.into_iter().map(|(layer, view)| (layer, view, kind(layer))).collect()
 }

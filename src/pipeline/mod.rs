@@ -21,6 +21,7 @@ pub use schedule::generate;
 use crate::dataset::{ManifestHash, ReadError, WriteError};
 use crate::plan::{Estimate, Plan, Shard};
 use crate::recipe::Recipe;
+use crate::render;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -142,6 +143,9 @@ pub fn estimate(recipe: &Recipe, plan: &Plan) -> Estimate {
     estimate.memory_bytes += second_scene_bytes(plan);
     let models = plan.scenes.iter().map(|s| scene::surface_model_bytes(&s.region, recipe.camera().gsd_m)).max();
     estimate.memory_bytes += models.unwrap_or(0);
+    let mode = recipe.light().ambient_mode();
+    let light = plan.scenes.iter().map(|s| render::Light::most_bytes(mode, s.region.full_detail_radius_m())).max();
+    estimate.memory_bytes += light.unwrap_or(0);
     // DSM and DTM, compressed: 1.4 bytes a cell in a city, 3.7 in a canyon. The nDSM adds 0.7 in a city and next to nothing in
     // a canyon, where it is 0 nearly everywhere.
     let cells: u64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, recipe.camera().gsd_m)).sum();

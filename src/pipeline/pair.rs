@@ -1,7 +1,7 @@
 //! One pair of a scene: two views traced, rendered and labelled.
 
 use super::PipelineError;
-use super::contents::layer_of;
+use super::contents::{image_pixels, layer_of};
 use super::profile::{Meter, Stage};
 use super::scene::BuiltScene;
 use crate::camera::{Camera, RigSpec, StereoRig};
@@ -10,7 +10,7 @@ use crate::dataset::{CameraFile, CameraRecord, Identity, Layer, Sample, View};
 use crate::labels::{Extra, Validity, View as LabelView, ViewLabels, extract};
 use crate::plan::PairSpec;
 use crate::recipe::{DisparityPrecision, Label, Labels};
-use crate::render::render;
+use crate::render::{Exposure, develop, expose};
 use glam::DVec3;
 use satseed_scene::SeedPath;
 
@@ -27,6 +27,7 @@ pub(super) fn sample(scene: &BuiltScene<'_>, pair: &PairSpec, meter: &Meter) -> 
     let rig = rig(scene, pair);
     let labels = scene.recipe.labels();
     let mut planes = Vec::new();
+    let mut exposures = Vec::new();
     for view in [View::Left, View::Right] {
         if view == View::Left || !labels.write.is_empty() {
             let made = meter.traced(Stage::Labels, &scene.tracer, || {
@@ -37,8 +38,13 @@ pub(super) fn sample(scene: &BuiltScene<'_>, pair: &PairSpec, meter: &Meter) -> 
             })?;
             planes.extend(made.into_iter().map(|(layer, plane)| (layer, view, plane)));
         }
-        let image = meter.traced(Stage::Render, &scene.tracer, || image(scene, pair, &rig, view));
-        planes.push((Layer::Image, view, image));
+        exposures.push(meter.traced(Stage::Render, &scene.tracer, || exposure(scene, pair, &rig, view)));
+    }
+    let sensor = scene.recipe.sensor().imager;
+    let images = meter.traced(Stage::Render, &scene.tracer, || develop(exposures, sensor));
+    for (view, image) in [View::Left, View::Right].into_iter().zip(images) {
+        let (width, height) = (image.width, image.height);
+        planes.push((Layer::Image, view, Plane { width, height, pixels: image_pixels(image) }));
     }
     planes.sort_by_key(|(layer, view, _)| (*layer, *view));
     Ok(Sample { identity: identity(scene, pair, &rig), camera: camera_file(&rig, pair), planes })
@@ -59,15 +65,14 @@ pub fn rig(scene: &BuiltScene<'_>, pair: &PairSpec) -> StereoRig {
     })
 }
 
-fn image(scene: &BuiltScene<'_>, pair: &PairSpec, rig: &StereoRig, view: View) -> Plane {
+fn exposure(scene: &BuiltScene<'_>, pair: &PairSpec, rig: &StereoRig, view: View) -> Exposure {
     let camera = match view {
         View::Left => &rig.left,
         View::Right => &rig.right,
     };
     // The noise of an image is keyed by who it is, so it is the same in shards and when one sample is made again.
     let noise = SeedPath::root("sensor", scene.spec.seed).child(&pair.id).child(view.name());
-    let image = render(&scene.tracer, camera, &scene.environment, scene.recipe.sensor().settings(), &noise);
-    Plane { width: image.width, height: image.height, pixels: Pixels::Rgb(image.rgb) }
+    expose(&scene.tracer, camera, &scene.light, scene.recipe.sensor().settings(), &noise)
 }
 
 fn label_maps(scene: &BuiltScene<'_>, rig: &StereoRig, view: View) -> ViewLabels {

@@ -7,6 +7,7 @@ use crate::dataset::{SceneFiles, to_json};
 use crate::labels;
 use crate::plan::SceneSpec;
 use crate::recipe::{Datum, Recipe};
+use crate::render::Light;
 use satseed_generators::Region;
 use satseed_scene::{Environment, Raster, Scene};
 use satseed_tracer::Tracer;
@@ -22,6 +23,8 @@ pub struct BuiltScene<'s> {
     pub tracer: Tracer<'s>,
     /// Sun and air.
     pub environment: Environment,
+    /// What they make of the scene: the same for all its pairs.
+    pub light: Light,
     /// Where disparity is 0, resolved for this scene.
     pub datum: RigDatum,
 }
@@ -87,7 +90,10 @@ impl<'s> BuiltScene<'s> {
             Datum::Pivot => RigDatum::Height(scene.pivot_height_m),
             Datum::Lowest => RigDatum::Height(under_the_lowest_m(scene)),
         };
-        Self { recipe, spec, tracer: Tracer::new(scene), environment: recipe.light().into(), datum }
+        let (tracer, environment) = (Tracer::new(scene), Environment::from(recipe.light()));
+        let light =
+            Light::of(&tracer, &environment).with_ambient(recipe.light().ambient_mode(), scene.full_detail_radius_m);
+        Self { recipe, spec, tracer, environment, light, datum }
     }
 
     /// The files that its samples share.

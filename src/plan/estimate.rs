@@ -1,7 +1,7 @@
 //! What a plan costs, before any of it is done.
 
 use super::Plan;
-use crate::recipe::{DisparityPrecision, Label, Recipe};
+use crate::recipe::{DisparityPrecision, Label, Recipe, SensorCoding};
 
 /// What a plan costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,10 +41,10 @@ impl Estimate {
     }
 }
 
-/// Radiance and its blur 2 x 16, image 3, hit point 24, disparity 4, validity 1, elevation 4, class 1, instance 4, normal
+/// Radiance and its blur 2 x 16, image up to 16, hit point 24, disparity 4, validity 1, elevation 4, class 1, instance 4, normal
 /// 12, shadow 1, edge 1, and an encoder's copy 8.
 fn memory_bytes_per_pixel() -> u64 {
-    2 * 16 + 3 + 24 + 4 + 1 + 4 + 1 + 4 + 12 + 1 + 1 + 8
+    2 * 16 + 16 + 24 + 4 + 1 + 4 + 1 + 4 + 12 + 1 + 1 + 8
 }
 
 /// Compressed sizes per pixel of one view, thousandths of a byte, measured on samples of 2048 x 2048 pixels; the disparity
@@ -56,7 +56,13 @@ fn disk_millibytes_per_pixel(recipe: &Recipe) -> u64 {
         DisparityPrecision::Px256th => 680,
     };
     let views = if labels.has(Label::DisparityRight) { 2 } else { 1 };
-    let mut sum = 1400 + views * (disparity + 40) / 2;
+    let sensor = &recipe.sensor().imager;
+    let band = match SensorCoding::from(sensor.coding) {
+        SensorCoding::Stretched => 470,
+        SensorCoding::Counts => 1200,
+        SensorCoding::Radiance => 3000,
+    };
+    let mut sum = band * sensor.bands.count() as u64 + views * (disparity + 40) / 2;
     for (label, size) in [
         (Label::Class, 80),
         (Label::Elevation, 1360),

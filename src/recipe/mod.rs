@@ -13,6 +13,7 @@ mod read;
 mod reader;
 mod region;
 mod seed_list;
+mod sensor;
 mod set;
 mod source;
 mod versions;
@@ -20,8 +21,8 @@ mod write;
 
 pub use load::{Changes, MAX_SEED_LIST_BYTES};
 pub use parts::{
-    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
-    PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
+    Acquisition, Ambient, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PairGeometry,
+    PivotAlongBaseline, Pivots, SceneEntry, Sensor, SensorBands, SensorCoding, SensorPreset, Series, SplitRule,
 };
 pub use presets::{PRESETS, Preset};
 pub use seed_list::seed_list_line;

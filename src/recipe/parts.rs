@@ -1,7 +1,10 @@
 //! The tables of a recipe as types. Every value that stands in a [`Recipe`](super::Recipe) has passed its range.
 
 use crate::camera;
-use crate::render;
+use crate::render::{
+    self,
+    sensor::{BandSet, Coding},
+};
 use glam::DVec3;
 use satseed_generators::Region;
 use satseed_scene::Environment;
@@ -194,27 +197,6 @@ pub enum PivotAlongBaseline {
     Random,
 }
 
-/// `[light]`: sun and air, the same for all pairs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
-    /// Sun's elevation above the horizon, degrees, 10..90.
-    pub sun_elevation_deg: f64,
-    /// Sun's azimuth clockwise from north, degrees, -360..360.
-    pub sun_azimuth_deg: f64,
-    /// Aerosol optical depth at 550 nm, 0..1.
-    pub aerosol_optical_depth: f64,
-}
-
-impl From<&Light> for Environment {
-    fn from(light: &Light) -> Self {
-        Self {
-            sun_elevation_rad: light.sun_elevation_deg.to_radians(),
-            sun_azimuth_rad: light.sun_azimuth_deg.to_radians(),
-            aerosol_optical_depth: light.aerosol_optical_depth,
-        }
-    }
-}
-
 /// Enums that a recipe names by a word: the words stand in one place.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $word:literal,)* }) => {
@@ -239,20 +221,135 @@ macro_rules! words {
 }
 
 words! {
-    /// What turns radiance into pixels.
+    /// How the light of the sky and of the surfaces around is worked out.
+    Ambient {
+        /// Once per scene, on a lattice in the world that all views share: smooth shadows.
+        PerScene = "per-scene",
+        /// By one more ray for each sample: the reference, with noise in the shade.
+        PerSample = "per-sample",
+    }
+}
+
+/// `[light]`: sun and air, the same for all pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Sun's elevation above the horizon, degrees, 10..90.
+    pub sun_elevation_deg: f64,
+    /// Sun's azimuth clockwise from north, degrees, -360..360.
+    pub sun_azimuth_deg: f64,
+    /// Aerosol optical depth at 550 nm, 0..1.
+    pub aerosol_optical_depth: f64,
+    /// How the light of the sky and of the surfaces around is worked out.
+    pub ambient: Ambient,
+}
+
+impl Light {
+    /// What the renderer takes.
+    pub fn ambient_mode(&self) -> render::AmbientMode {
+        match self.ambient {
+            Ambient::PerScene => render::AmbientMode::PerScene,
+            Ambient::PerSample => render::AmbientMode::PerSample,
+        }
+    }
+}
+
+impl From<&Light> for Environment {
+    fn from(light: &Light) -> Self {
+        Self {
+            sun_elevation_rad: light.sun_elevation_deg.to_radians(),
+            sun_azimuth_rad: light.sun_azimuth_deg.to_radians(),
+            aerosol_optical_depth: light.aerosol_optical_depth,
+        }
+    }
+}
+
+words! {
+    /// What turns radiance into pixels, before a recipe changes single settings of it.
     SensorPreset {
-        /// No blur, no noise: the scene's radiance, scaled to 8 bit.
+        /// No blur, no noise: radiance as it is, stretched to 8 bits.
         Ideal = "ideal",
-        /// Blur, noise and bands like WorldView-3's pansharpened RGB.
+        /// Like WorldView-3's pan-sharpened colour, 8 bits.
         Worldview3Rgb = "worldview3_rgb",
+        /// Like GF-7's panchromatic stereo cameras, 11 bits.
+        Gf7Pan = "gf7_pan",
+        /// No blur, no noise: radiance at the sensor as 32-bit floats.
+        Linear = "linear",
+    }
+}
+
+impl SensorPreset {
+    /// Its settings.
+    pub fn sensor(self) -> render::Sensor {
+        match self {
+            Self::Ideal => render::Sensor::IDEAL,
+            Self::Worldview3Rgb => render::Sensor::WORLDVIEW3_RGB,
+            Self::Gf7Pan => render::Sensor::GF7_PAN,
+            Self::Linear => render::Sensor::LINEAR,
+        }
+    }
+}
+
+words! {
+    /// Which bands an image has.
+    SensorBands {
+        /// One panchromatic band.
+        Pan = "pan",
+        /// Red, green, blue.
+        Rgb = "rgb",
+        /// Red, green, blue, near infrared.
+        RgbNir = "rgb_nir",
+    }
+}
+
+impl From<SensorBands> for BandSet {
+    fn from(bands: SensorBands) -> Self {
+        match bands {
+            SensorBands::Pan => Self::Pan,
+            SensorBands::Rgb => Self::Rgb,
+            SensorBands::RgbNir => Self::RgbNir,
+        }
+    }
+}
+
+impl From<BandSet> for SensorBands {
+    fn from(bands: BandSet) -> Self {
+        match bands {
+            BandSet::Pan => Self::Pan,
+            BandSet::Rgb => Self::Rgb,
+            BandSet::RgbNir => Self::RgbNir,
+        }
+    }
+}
+
+words! {
+    /// What numbers an image holds.
+    SensorCoding {
+        /// 8 bits, stretched.
+        Stretched = "8bit",
+        /// 11-bit counts in 16 bits.
+        Counts = "11bit",
+        /// Radiance, 32-bit floats.
+        Radiance = "float",
+    }
+}
+
+impl From<Coding> for SensorCoding {
+    fn from(coding: Coding) -> Self {
+        match coding {
+            Coding::Stretched { .. } => Self::Stretched,
+            Coding::Counts => Self::Counts,
+            Coding::Radiance => Self::Radiance,
+        }
     }
 }
 
 /// `[sensor]`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
-    /// What turns radiance into pixels.
+    /// Where its settings started.
     pub preset: SensorPreset,
+    /// What turns radiance into pixels: the preset with what the recipe changes.
+    pub imager: render::Sensor,
     /// Rays that a pixel's colour is averaged over, 1..4096. Labels are traced through pixel centres whatever this is.
     pub samples_per_pixel: u32,
 }
@@ -260,11 +357,7 @@ pub struct Sensor {
 impl Sensor {
     /// What the renderer takes.
     pub fn settings(&self) -> render::Settings {
-        let sensor = match self.preset {
-            SensorPreset::Ideal => render::Sensor::Ideal,
-            SensorPreset::Worldview3Rgb => render::Sensor::WorldView3Rgb,
-        };
-        render::Settings { samples_per_pixel: self.samples_per_pixel, sensor }
+        render::Settings { samples_per_pixel: self.samples_per_pixel, sensor: self.imager }
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::node::{Entry, Node, Table, Value};
 use super::parts::{
-    Acquisition, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light, PivotAlongBaseline,
-    Pivots, SceneEntry, Sensor, SensorPreset, Series, SplitRule,
+    Acquisition, Ambient, Azimuths, Baselines, Camera, Datum, DisparityPrecision, Label, Labels, Light,
+    PivotAlongBaseline, Pivots, SceneEntry, Series, SplitRule,
 };
 use super::reader::{Reader, number, whole, word, wrong};
 use super::region::region_from;
+use super::sensor::sensor;
 use super::source::{Origin, RecipeError};
 use super::{MAX_PIVOTS, MAX_SEED, MAX_STEPS, Recipe, versions};
 use satseed_generators::Region;
@@ -231,17 +232,11 @@ fn light(mut table: Reader) -> Result<Light, RecipeError> {
         sun_elevation_deg: sun.number_or("elevation_deg", 10.0..=90.0, 42.0)?,
         sun_azimuth_deg: sun.number_or("azimuth_deg", -360.0..=360.0, 145.0)?,
         aerosol_optical_depth: table.number_or("aerosol_optical_depth", 0.0..=1.0, 0.12)?,
+        ambient: table.word("ambient", Ambient::ALL)?.unwrap_or(Ambient::PerScene),
     };
     sun.finish()?;
     table.finish()?;
     Ok(light)
-}
-
-fn sensor(mut table: Reader) -> Result<Sensor, RecipeError> {
-    let preset = table.word("preset", SensorPreset::ALL)?.unwrap_or(SensorPreset::Worldview3Rgb);
-    let samples_per_pixel = table.whole("samples_per_pixel", 1..=4096)?.map_or(16, |(n, _)| n as u32);
-    table.finish()?;
-    Ok(Sensor { preset, samples_per_pixel })
 }
 
 fn labels(mut table: Reader) -> Result<Labels, RecipeError> {

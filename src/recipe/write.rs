@@ -56,8 +56,8 @@ impl Recipe {
         let (elevation, azimuth) = (light.sun_elevation_deg, light.sun_azimuth_deg);
         writeln!(out, "sun = {{ elevation_deg = {elevation:?}, azimuth_deg = {azimuth:?} }}")?;
         writeln!(out, "aerosol_optical_depth = {:?}", light.aerosol_optical_depth)?;
-        writeln!(out, "\n[sensor]\npreset = \"{}\"", self.sensor.preset.word())?;
-        writeln!(out, "samples_per_pixel = {}", self.sensor.samples_per_pixel)?;
+        writeln!(out, "ambient = \"{}\"", light.ambient.word())?;
+        super::sensor::write(&self.sensor, out)?;
         let labels: Vec<_> = self.labels.write.iter().map(|l| l.word()).collect();
         writeln!(out, "\n[labels]\nwrite = {labels:?}")?;
         writeln!(out, "disparity_precision = \"{}\"", self.labels.disparity_precision.word())?;

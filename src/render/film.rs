@@ -2,6 +2,7 @@
 
 use super::light::Light;
 use super::sampling::Sample;
+use super::sensor::Optics;
 use super::shading::radiance;
 use crate::camera::Camera;
 use rayon::prelude::*;
@@ -40,23 +41,22 @@ impl Grid {
     }
 }
 
-/// Traces all samples of a frame and lets the optics blur them. The blur is a Gaussian of `sigma_px` on top of the
-/// pixel's own box. A margin around the frame is traced too, so that borders are blurred as the middle is.
-pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u32, sigma_px: f64) -> Radiance {
+/// Traces all samples of a frame and lets the optics blur them. A margin around the frame is traced too, so that borders
+/// are blurred as the middle is.
+pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u32, optics: &Optics) -> Radiance {
     let grid = Grid::new(samples);
-    let sigma = sigma_px * f64::from(grid.fine);
-    let (kernel, margin) = (kernel(sigma, grid.fine), reach(sigma));
+    let (across, along) = (optics.across(grid.fine), optics.along(grid.fine));
     let (width, height) = (camera.width_px, camera.height_px);
     let fine_height = (height * grid.fine) as i32;
     // Each fine row is blurred along itself and decimated at once: what stays is as wide as the image.
-    let tops: Vec<i32> = (-margin..fine_height + margin).step_by(TILE_SIDE as usize).collect();
+    let tops: Vec<i32> = (-along.reach..fine_height + along.reach).step_by(TILE_SIDE as usize).collect();
     let bands: Vec<Vec<Vec<Bands>>> = tops
         .into_par_iter()
         .map(|top| {
-            let columns = -margin..(width * grid.fine) as i32 + margin;
-            let rows = top..(top + TILE_SIDE as i32).min(fine_height + margin);
+            let columns = -across.reach..(width * grid.fine) as i32 + across.reach;
+            let rows = top..(top + TILE_SIDE as i32).min(fine_height + along.reach);
             let blur = |fine: &[Bands]| {
-                (0..width as usize).map(|u| weighted(&kernel, &fine[u * grid.fine as usize..])).collect()
+                (0..width as usize).map(|u| weighted(&across.weights, &fine[u * grid.fine as usize..])).collect()
             };
             let length = columns.len();
             cells(tracer, camera, light, grid, columns, rows).chunks(length).map(blur).collect()
@@ -67,40 +67,21 @@ pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u
         .into_par_iter()
         .map(|v| {
             let first = v * grid.fine as usize;
-            (0..width as usize)
-                .map(|u| {
-                    let mut sum = Bands::ZERO;
-                    for (k, weight) in kernel.iter().enumerate() {
-                        sum += rows[first + k][u] * *weight;
-                    }
-                    sum
-                })
-                .collect()
+            let mut sums = vec![Bands::ZERO; width as usize];
+            for (row, weight) in rows[first..].iter().zip(&along.weights) {
+                for (sum, value) in sums.iter_mut().zip(row) {
+                    *sum += *value * *weight;
+                }
+            }
+            sums
         })
         .collect();
-    Radiance { width, height, data: data.into_iter().flatten().collect() }
+    drop(rows);
+    Radiance { width, height, data: data.concat() }
 }
 
 fn weighted(kernel: &[f32], values: &[Bands]) -> Bands {
     kernel.iter().zip(values).fold(Bands::ZERO, |sum, (w, v)| sum + *v * *w)
-}
-
-/// Cells beyond the pixel's own that a blur of `sigma` cells reaches on each side.
-fn reach(sigma: f64) -> i32 {
-    if sigma > 0.0 { libm::ceil(3.5 * sigma) as i32 } else { 0 }
-}
-
-/// Weights of the fine cells around a pixel, from `reach` cells before its first to `reach` after its last: the pixel's
-/// box convolved with a Gaussian of `sigma` cells.
-fn kernel(sigma: f64, fine: u32) -> Vec<f32> {
-    let reach = reach(sigma);
-    let gauss = |x: i32| {
-        if sigma > 0.0 { libm::exp(-0.5 * f64::from(x * x) / (sigma * sigma)) } else { f64::from(u8::from(x == 0)) }
-    };
-    let cells = fine as i32;
-    let weights: Vec<f64> = (-reach..cells + reach).map(|i| (0..cells).map(|cell| gauss(i - cell)).sum()).collect();
-    let total: f64 = weights.iter().sum();
-    weights.into_iter().map(|w| (w / total) as f32).collect()
 }
 
 /// Mean radiance of fine cells, row by row.
@@ -127,7 +108,7 @@ fn cells(
             .collect();
         for index in 0..count {
             let samples: Vec<Sample> =
-                tile.iter().map(|(column, row)| Sample::new(*column, *row, index, count, key)).collect();
+                tile.iter().map(|(column, row)| Sample::new(*column, *row, index, key)).collect();
             let ray = |((column, row), sample): (&(i32, i32), &Sample)| {
                 let jitter = sample.square(0);
                 let place = |base: i32, step: u32, jitter: f64| {
@@ -150,17 +131,6 @@ fn cells(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn kernels_are_centred_on_the_pixel_and_sum_to_one() {
-        for (sigma, fine) in [(0.0, 1), (0.0, 2), (0.6, 1), (1.1, 2)] {
-            let k = kernel(sigma, fine);
-            assert!((k.iter().sum::<f32>() - 1.0).abs() < 1e-6);
-            let centroid: f64 = k.iter().enumerate().map(|(i, w)| i as f64 * f64::from(*w)).sum();
-            let middle = f64::from(reach(sigma)) + (f64::from(fine) - 1.0) / 2.0;
-            assert!((centroid - middle).abs() < 1e-6, "{sigma} {fine}: {centroid} against {middle}");
-        }
-    }
 
     #[test]
     fn grids_hold_at_least_the_samples_asked_for() {

@@ -8,32 +8,22 @@ use satseed_scene::{hash_cell, unit_from_hash};
 pub(super) struct Sample {
     pixel_hash: u32,
     index: u32,
-    count: u32,
 }
 
 impl Sample {
-    /// Sample `index` of `count` in a pixel. `key` separates views.
-    pub(super) fn new(column: i32, row: i32, index: u32, count: u32, key: u32) -> Self {
-        Self { pixel_hash: hash_cell(column, row, 0, key), index, count }
+    /// Sample `index` of a pixel. `key` separates views.
+    pub(super) fn new(column: i32, row: i32, index: u32, key: u32) -> Self {
+        Self { pixel_hash: hash_cell(column, row, 0, key), index }
     }
 
     /// A point of the unit square for a purpose: over the pixel's samples, a Kronecker sequence on the plastic number
     /// (Roberts 2018), shifted by the pixel's own hash, so that few samples are already spread evenly.
     #[inline]
-    pub(super) fn square(&self, purpose: u32) -> DVec2 {
+    pub(super) fn square(self, purpose: u32) -> DVec2 {
         const A: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
         let h = |k: u32| f64::from(unit_from_hash(hash_cell(purpose as i32, k as i32, 7, self.pixel_hash)));
         let p = DVec2::new(h(0), h(1)) + A * f64::from(self.index);
         p - DVec2::new(libm::floor(p.x), libm::floor(p.y))
-    }
-
-    /// A number in [0, 1) for a purpose, stratified over the pixel's samples.
-    #[inline]
-    pub(super) fn line(&self, purpose: u32) -> f64 {
-        let h = hash_cell(purpose as i32, 3, 11, self.pixel_hash);
-        let turned = (self.index + (h >> 16)) % self.count;
-        let jitter = f64::from(unit_from_hash(hash_cell(purpose as i32, self.index as i32, 13, self.pixel_hash)));
-        (f64::from(turned) + jitter) / f64::from(self.count)
     }
 }
 
@@ -65,7 +55,7 @@ mod tests {
         let mut cells = [0; 16];
         let mut mean = DVec2::ZERO;
         for i in 0..n {
-            let p = Sample::new(3, 5, i, n, 1).square(2);
+            let p = Sample::new(3, 5, i, 1).square(2);
             cells[(p.x * 4.0) as usize * 4 + (p.y * 4.0) as usize] += 1;
             mean += p / f64::from(n);
         }
@@ -78,7 +68,7 @@ mod tests {
         let normal = DVec3::new(0.3, -0.5, 0.8).normalize();
         let n = 4096;
         let mean: f64 =
-            (0..n).map(|i| cosine_direction(normal, Sample::new(0, 0, i, n, 0).square(0)).dot(normal)).sum::<f64>()
+            (0..n).map(|i| cosine_direction(normal, Sample::new(0, 0, i, 0).square(0)).dot(normal)).sum::<f64>()
                 / f64::from(n);
         assert!((mean - 2.0 / 3.0).abs() < 0.002, "{mean}");
     }

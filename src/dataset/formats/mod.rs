@@ -21,10 +21,16 @@ pub enum Pixels {
     Id(Vec<u32>),
     /// Three signed 16-bit numbers a pixel.
     Vector(Vec<i16>),
+    /// Four bytes a pixel.
+    Bytes4(Vec<u8>),
+    /// 16-bit numbers, so many a pixel: 1, 3 or 4.
+    Counts(u8, Vec<u16>),
+    /// 32-bit floats, so many a pixel: 1, 3 or 4.
+    Radiance(u8, Vec<f32>),
 }
 
 /// What kind of values an array holds; it decides the encoding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PixelKind {
     /// [`Pixels::Gray`], PNG.
     Gray,
@@ -36,6 +42,12 @@ pub enum PixelKind {
     Id,
     /// [`Pixels::Vector`], TIFF.
     Vector,
+    /// [`Pixels::Bytes4`], TIFF.
+    Bytes4,
+    /// [`Pixels::Counts`] of so many values, TIFF.
+    Counts(u8),
+    /// [`Pixels::Radiance`] of so many values, TIFF.
+    Radiance(u8),
 }
 
 impl PixelKind {
@@ -43,7 +55,7 @@ impl PixelKind {
     pub fn extension(self) -> &'static str {
         match self {
             Self::Gray | Self::Rgb => "png",
-            Self::Float | Self::Id | Self::Vector => "tif",
+            _ => "tif",
         }
     }
 
@@ -52,6 +64,8 @@ impl PixelKind {
         match self {
             Self::Gray | Self::Float | Self::Id => 1,
             Self::Rgb | Self::Vector => 3,
+            Self::Bytes4 => 4,
+            Self::Counts(n) | Self::Radiance(n) => n.into(),
         }
     }
 
@@ -60,8 +74,10 @@ impl PixelKind {
         match self {
             Self::Gray => 1,
             Self::Rgb => 3,
-            Self::Float | Self::Id => 4,
+            Self::Float | Self::Id | Self::Bytes4 => 4,
             Self::Vector => 6,
+            Self::Counts(n) => 2 * usize::from(n),
+            Self::Radiance(n) => 4 * usize::from(n),
         }
     }
 }
@@ -130,6 +146,9 @@ impl Plane {
             Pixels::Float(_) => PixelKind::Float,
             Pixels::Id(_) => PixelKind::Id,
             Pixels::Vector(_) => PixelKind::Vector,
+            Pixels::Bytes4(_) => PixelKind::Bytes4,
+            Pixels::Counts(n, _) => PixelKind::Counts(n),
+            Pixels::Radiance(n, _) => PixelKind::Radiance(n),
         }
     }
 
@@ -141,9 +160,11 @@ impl Plane {
         self.check_length()?;
         match &self.pixels {
             Pixels::Gray(v) | Pixels::Rgb(v) => png::encode(self.width, self.height, self.kind(), v),
-            Pixels::Float(v) => tiff::encode(self.width, self.height, self.kind(), v),
+            Pixels::Float(v) | Pixels::Radiance(_, v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Id(v) => tiff::encode(self.width, self.height, self.kind(), v),
             Pixels::Vector(v) => tiff::encode(self.width, self.height, self.kind(), v),
+            Pixels::Bytes4(v) => tiff::encode(self.width, self.height, self.kind(), v),
+            Pixels::Counts(_, v) => tiff::encode(self.width, self.height, self.kind(), v),
         }
     }
 
@@ -163,23 +184,56 @@ impl Plane {
         let pixels = match kind {
             PixelKind::Gray => Pixels::Gray(png::decode(bytes, kind, width, height)?),
             PixelKind::Rgb => Pixels::Rgb(png::decode(bytes, kind, width, height)?),
-            PixelKind::Float | PixelKind::Id | PixelKind::Vector => tiff::decode(bytes, kind, width, height)?,
+            _ => tiff::decode(bytes, kind, width, height)?,
         };
         let plane = Self { width, height, pixels };
         plane.check_length()?;
         Ok(plane)
     }
 
+    /// Reads a file that holds one of several kinds, as the file itself says.
+    ///
+    /// # Errors
+    /// As [`Plane::decode`]; what holds none of the kinds is refused as if the first was expected.
+    pub fn decode_one_of(bytes: &[u8], kinds: &[PixelKind], width: u32, height: u32) -> Result<Self, FormatError> {
+        let named = if kinds.len() > 1 { png::kind_of(bytes).or_else(|| tiff::kind_of(bytes)) } else { None };
+        let kind = named.filter(|kind| kinds.contains(kind)).unwrap_or(kinds[0]);
+        Self::decode(bytes, kind, width, height)
+    }
+
+    /// Its picture as red, green, blue of 8 bits, for people and for what works on grey levels: 11-bit counts by their high
+    /// bits, radiance from 0 to its largest value.
+    pub fn to_rgb8(&self) -> Vec<u8> {
+        let channels = self.kind().channels();
+        let bytes: Vec<u8> = match &self.pixels {
+            Pixels::Gray(v) | Pixels::Rgb(v) | Pixels::Bytes4(v) => v.clone(),
+            Pixels::Counts(_, v) => v.iter().map(|x| (x >> 3).min(255) as u8).collect(),
+            Pixels::Float(v) | Pixels::Radiance(_, v) => {
+                let largest = v.iter().copied().filter(|x| x.is_finite()).fold(f32::MIN_POSITIVE, f32::max);
+                v.iter().map(|x| (x / largest * 255.0).clamp(0.0, 255.0) as u8).collect()
+            }
+            Pixels::Id(_) | Pixels::Vector(_) => Vec::new(),
+        };
+        match channels {
+            1 => bytes.iter().flat_map(|b| [*b; 3]).collect(),
+            3 => bytes,
+            _ => bytes.chunks_exact(channels).flat_map(|p| [p[0], p[1], p[2]]).collect(),
+        }
+    }
+
     /// BLAKE3 over the array in row-major order, little-endian, without padding: it outlives a change of encoder.
     pub fn pixel_hash(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
         match &self.pixels {
-            Pixels::Gray(v) | Pixels::Rgb(v) => {
+            Pixels::Gray(v) | Pixels::Rgb(v) | Pixels::Bytes4(v) => {
                 hasher.update(v);
             }
-            Pixels::Float(v) => update_chunked(&mut hasher, v, |x| x.to_bits().to_le_bytes()),
+            Pixels::Float(v) | Pixels::Radiance(_, v) => {
+                update_chunked(&mut hasher, v, |x| x.to_bits().to_le_bytes());
+            }
             Pixels::Id(v) => update_chunked(&mut hasher, v, u32::to_le_bytes),
             Pixels::Vector(v) => update_chunked(&mut hasher, v, i16::to_le_bytes),
+            Pixels::Counts(_, v) => update_chunked(&mut hasher, v, u16::to_le_bytes),
         }
         hasher.finalize()
     }
@@ -190,7 +244,13 @@ impl Plane {
             a.iter().zip(b).position(|(x, y)| !same(x, y)).or((a.len() != b.len()).then_some(a.len().min(b.len())))
         }
         let value = match (&self.pixels, &other.pixels) {
-            (Pixels::Gray(a), Pixels::Gray(b)) | (Pixels::Rgb(a), Pixels::Rgb(b)) => first(a, b, |x, y| x == y),
+            (Pixels::Gray(a), Pixels::Gray(b))
+            | (Pixels::Rgb(a), Pixels::Rgb(b))
+            | (Pixels::Bytes4(a), Pixels::Bytes4(b)) => first(a, b, |x, y| x == y),
+            (Pixels::Counts(n, a), Pixels::Counts(m, b)) if n == m => first(a, b, |x, y| x == y),
+            (Pixels::Radiance(n, a), Pixels::Radiance(m, b)) if n == m => {
+                first(a, b, |x, y| x.to_bits() == y.to_bits())
+            }
             (Pixels::Float(a), Pixels::Float(b)) => first(a, b, |x, y| x.to_bits() == y.to_bits()),
             (Pixels::Id(a), Pixels::Id(b)) => first(a, b, |x, y| x == y),
             (Pixels::Vector(a), Pixels::Vector(b)) => first(a, b, |x, y| x == y),
@@ -202,7 +262,11 @@ impl Plane {
     /// The value of one pixel, for people.
     pub fn describe(&self, pixel: usize) -> String {
         let three = |i: usize| 3 * i..3 * i + 3;
+        let several = |n: u8| usize::from(n) * pixel..usize::from(n) * (pixel + 1);
         match &self.pixels {
+            Pixels::Bytes4(v) => v.get(several(4)).map_or_else(String::new, |x| format!("{x:?}")),
+            Pixels::Counts(n, v) => v.get(several(*n)).map_or_else(String::new, |x| format!("{x:?}")),
+            Pixels::Radiance(n, v) => v.get(several(*n)).map_or_else(String::new, |x| format!("{x:?}")),
             Pixels::Gray(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x}")),
             Pixels::Float(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x} ({:08x})", x.to_bits())),
             Pixels::Id(v) => v.get(pixel).map_or_else(String::new, |x| format!("{x}")),
@@ -213,8 +277,9 @@ impl Plane {
 
     fn check_length(&self) -> Result<(), FormatError> {
         let found = match &self.pixels {
-            Pixels::Gray(v) | Pixels::Rgb(v) => v.len(),
-            Pixels::Float(v) => v.len(),
+            Pixels::Gray(v) | Pixels::Rgb(v) | Pixels::Bytes4(v) => v.len(),
+            Pixels::Float(v) | Pixels::Radiance(_, v) => v.len(),
+            Pixels::Counts(_, v) => v.len(),
             Pixels::Id(v) => v.len(),
             Pixels::Vector(v) => v.len(),
         };
@@ -273,6 +338,13 @@ mod tests {
             of(Pixels::Vector(
                 ramp(width, height).flat_map(|i| [i as i16, (i as i16).wrapping_neg(), i16::MIN]).collect(),
             )),
+            of(Pixels::Bytes4(ramp(width, height).flat_map(|i| [i as u8, 7, (i / 3) as u8, 200]).collect())),
+            of(Pixels::Counts(1, ramp(width, height).map(|i| (i * 7 % 2048) as u16).collect())),
+            of(Pixels::Counts(3, ramp(width, height).flat_map(|i| [(i % 2048) as u16, 9, 2047]).collect())),
+            of(Pixels::Counts(4, ramp(width, height).flat_map(|i| [(i % 2048) as u16, 9, 0, 40]).collect())),
+            of(Pixels::Radiance(1, ramp(width, height).map(|i| i as f32 * 0.01).collect())),
+            of(Pixels::Radiance(3, ramp(width, height).flat_map(|i| [i as f32 * 0.01, 3.5, 0.0]).collect())),
+            of(Pixels::Radiance(4, ramp(width, height).flat_map(|i| [i as f32 * 0.01, 3.5, 0.0, 90.0]).collect())),
         ]
     }
 
@@ -292,7 +364,8 @@ mod tests {
     /// A change of these bytes is a change of every dataset: it must be meant, and told in CHANGELOG.md.
     #[test]
     fn encoders_have_not_changed() {
-        let hashes: Vec<_> = planes(301, 259)
+        // What labels and 8-bit colour are written as; the other sensors' are held by tests/sensor.rs.
+        let hashes: Vec<_> = planes(301, 259)[..5]
             .iter()
             .map(|p| {
                 (blake3::hash(&p.encode().unwrap()).to_hex()[..16].to_owned(), p.pixel_hash().to_hex()[..16].to_owned())
@@ -316,11 +389,29 @@ mod tests {
             let bytes = plane.encode().unwrap();
             let kind = plane.kind();
             assert!(matches!(Plane::decode(&bytes, kind, 41, 30), Err(FormatError::Size { .. })));
-            for other in [PixelKind::Gray, PixelKind::Rgb, PixelKind::Float, PixelKind::Id, PixelKind::Vector] {
-                assert_eq!(Plane::decode(&bytes, other, 40, 30).is_ok(), other == kind, "{kind:?} as {other:?}");
+            for other in planes(40, 30).iter().map(Plane::kind) {
+                // One float a pixel is a label or a radiance: the file cannot tell.
+                let floats = |k| matches!(k, PixelKind::Float | PixelKind::Radiance(1));
+                let same = other == kind || (floats(other) && floats(kind));
+                assert_eq!(Plane::decode(&bytes, other, 40, 30).is_ok(), same, "{kind:?} as {other:?}");
             }
             for cut in [0, 1, 7, bytes.len() / 2, bytes.len() - 20] {
                 assert!(Plane::decode(&bytes[..cut], kind, 40, 30).is_err(), "{kind:?} cut to {cut}");
+            }
+        }
+    }
+
+    /// An image's file says itself what it holds.
+    #[test]
+    fn the_kind_of_an_image_is_read_from_its_file() {
+        let kinds = crate::dataset::Layer::Image.kinds();
+        for plane in planes(40, 30) {
+            let back = Plane::decode_one_of(&plane.encode().unwrap(), kinds, 40, 30);
+            if kinds.contains(&plane.kind()) {
+                assert_eq!(back.unwrap().first_difference(&plane), None, "{:?}", plane.kind());
+                assert_eq!(plane.to_rgb8().len(), 40 * 30 * 3, "{:?}", plane.kind());
+            } else if plane.kind() != PixelKind::Float {
+                assert!(back.is_err(), "{:?}", plane.kind());
             }
         }
     }

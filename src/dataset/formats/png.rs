@@ -23,6 +23,17 @@ pub(super) fn encode(width: u32, height: u32, kind: PixelKind, values: &[u8]) ->
     Ok(bytes)
 }
 
+/// What a PNG file holds; none where it is no PNG of a kind that is written here.
+pub(super) fn kind_of(bytes: &[u8]) -> Option<PixelKind> {
+    let reader = png::Decoder::new(Cursor::new(bytes)).read_info().ok()?;
+    match reader.info() {
+        info if info.bit_depth != png::BitDepth::Eight => None,
+        info if info.color_type == png::ColorType::Rgb => Some(PixelKind::Rgb),
+        info if info.color_type == png::ColorType::Grayscale => Some(PixelKind::Gray),
+        _ => None,
+    }
+}
+
 pub(super) fn decode(bytes: &[u8], kind: PixelKind, width: u32, height: u32) -> Result<Vec<u8>, FormatError> {
     let failed = |e: png::DecodingError| FormatError::Decode(e.to_string());
     let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().map_err(failed)?;

@@ -4,7 +4,7 @@ use super::{FormatError, PixelKind, Pixels, Plane};
 use std::io::Cursor;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag as ReadTag;
-use tiff_core::{Compression, PhotometricInterpretation, Predictor, Tag, TagValue};
+use tiff_core::{Compression, ExtraSample, PhotometricInterpretation, Predictor, Tag, TagValue};
 use tiff_writer::{ImageBuilder, TiffVariant, TiffWriteSample, TiffWriter, WriteOptions};
 
 /// Rows that are compressed together: a file of 2048 columns has strips of 2 MB, and a reader of one row reads no more.
@@ -40,10 +40,17 @@ pub(super) fn encode<T: TiffWriteSample>(
     kind: PixelKind,
     values: &[T],
 ) -> Result<Vec<u8>, FormatError> {
-    let predictor = if kind == PixelKind::Float { Predictor::FloatingPoint } else { Predictor::Horizontal };
+    let floats = matches!(kind, PixelKind::Float | PixelKind::Radiance(_));
+    let predictor = if floats { Predictor::FloatingPoint } else { Predictor::Horizontal };
     let mut image = ImageBuilder::new(width, height).predictor(predictor);
-    if kind == PixelKind::Vector {
-        image = image.samples_per_pixel(3).photometric(PhotometricInterpretation::Rgb);
+    let channels = kind.channels();
+    if channels > 1 {
+        image = image.samples_per_pixel(channels as u16).photometric(PhotometricInterpretation::Rgb);
+    }
+    if channels > 3 {
+        // Readers drop or take for opacity what stands behind red, green and blue: four bands are four bands.
+        image =
+            image.photometric(PhotometricInterpretation::MinIsBlack).extra_samples(vec![ExtraSample::Unspecified; 3]);
     }
     write(image, width, height, kind.channels(), values)
 }
@@ -92,18 +99,43 @@ pub(super) fn decode(bytes: &[u8], kind: PixelKind, width: u32, height: u32) -> 
     }
     let color = decoder.colortype().map_err(failed)?;
     let wrong = || FormatError::Kind { expected: kind, found: format!("{color:?}") };
-    let fits = match kind {
-        PixelKind::Vector => matches!(color, tiff::ColorType::RGB(16)),
-        _ => matches!(color, tiff::ColorType::Gray(32)),
-    };
-    if !fits {
+    let (channels, bits) = layout(color).ok_or_else(wrong)?;
+    if channels != kind.channels() || bits * channels != 8 * kind.bytes_per_pixel() {
         return Err(wrong());
     }
     match (kind, decoder.read_image().map_err(failed)?) {
         (PixelKind::Float, DecodingResult::F32(v)) => Ok(Pixels::Float(v)),
         (PixelKind::Id, DecodingResult::U32(v)) => Ok(Pixels::Id(v)),
         (PixelKind::Vector, DecodingResult::I16(v)) => Ok(Pixels::Vector(v)),
+        (PixelKind::Bytes4, DecodingResult::U8(v)) => Ok(Pixels::Bytes4(v)),
+        (PixelKind::Counts(n), DecodingResult::U16(v)) => Ok(Pixels::Counts(n, v)),
+        (PixelKind::Radiance(n), DecodingResult::F32(v)) => Ok(Pixels::Radiance(n, v)),
         _ => Err(wrong()),
+    }
+}
+
+/// Values a pixel and bits a value.
+fn layout(color: tiff::ColorType) -> Option<(usize, usize)> {
+    match color {
+        tiff::ColorType::Gray(bits) => Some((1, bits.into())),
+        tiff::ColorType::RGB(bits) => Some((3, bits.into())),
+        tiff::ColorType::RGBA(bits) => Some((4, bits.into())),
+        tiff::ColorType::Multiband { bit_depth, num_samples } => Some((num_samples.into(), bit_depth.into())),
+        _ => None,
+    }
+}
+
+/// What image a TIFF file holds; none where it is none.
+pub(super) fn kind_of(bytes: &[u8]) -> Option<PixelKind> {
+    // Room for tags alone.
+    let mut decoder = decoder(bytes, 1 << 12).ok()?;
+    let (channels, bits) = layout(decoder.colortype().ok()?)?;
+    let format = decoder.find_tag_unsigned_vec::<u16>(ReadTag::SampleFormat).ok()?;
+    match (bits, format.and_then(|f| f.first().copied()).unwrap_or(1)) {
+        (8, 1) if channels == 4 => Some(PixelKind::Bytes4),
+        (16, 1) => Some(PixelKind::Counts(channels as u8)),
+        (32, 3) => Some(PixelKind::Radiance(channels as u8)),
+        _ => None,
     }
 }
 
