@@ -108,8 +108,8 @@ impl<'s> Tracer<'s> {
         far.length() + 1.0
     }
 
-    /// Bytes held by the trees and their copies of the triangles: at most [`crate::BYTES_PER_TRIANGLE`] for each triangle of a
-    /// mesh and [`crate::BYTES_PER_INSTANCE`] for each instance, and a few hundred for each mesh.
+    /// Bytes held by the trees and their copies of the triangles: at most [`crate::BYTES_PER_TRIANGLE`] (where leaves are
+    /// wide, [`crate::BYTES_PER_WIDE_TRIANGLE`]) for each triangle of a mesh and [`crate::BYTES_PER_INSTANCE`] for each instance, and a few hundred for each mesh.
     pub fn bytes(&self) -> usize {
         self.trees.bytes()
     }

@@ -10,10 +10,12 @@ use satseed_scene::{Instance, Mesh, QUANTUM_M, Scene};
 /// Most triangles behind a lane of a mesh's tree: one block.
 const MAX_LEAF: u32 = 8;
 
-/// Most that trees hold for a triangle of a mesh, bytes, on average over a mesh, whatever its shape (half of it where leaves
-/// are less than 64 m wide); a mesh takes a few
-/// hundred more.
-pub const BYTES_PER_TRIANGLE: usize = 140;
+/// Most that trees hold for a triangle of a mesh, bytes, on average over a mesh whose neighbouring triangles lie within
+/// 64 m; a mesh takes a few hundred more.
+pub const BYTES_PER_TRIANGLE: usize = 70;
+
+/// The same of a mesh of any shape.
+pub const BYTES_PER_WIDE_TRIANGLE: usize = 140;
 
 /// Most that trees hold for an instance, bytes, on average over a scene.
 pub const BYTES_PER_INSTANCE: usize = 320;
