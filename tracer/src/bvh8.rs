@@ -74,6 +74,7 @@ impl Bvh8 {
         count(&binary, 0, &mut counts);
         tree.order.reserve(boxes.len());
         tree.collapse(&binary, &counts, max_leaf, 0);
+        tree.nodes.shrink_to_fit();
         tree
     }
 
@@ -125,7 +126,7 @@ impl Bvh8 {
 
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node8>() + self.order.len() * 4
+        self.nodes.capacity() * size_of::<Node8>() + self.order.capacity() * 4
     }
 }
 

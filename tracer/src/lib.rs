@@ -26,4 +26,4 @@ pub use bundle::{TILE_SIDE, tile_order};
 pub use simd::InstructionSet;
 pub use surface::{Hit, Origin, tie_tolerance_m};
 pub use traverse::{RayCounts, Tracer};
-pub use tree::{BYTES_PER_INSTANCE, BYTES_PER_TRIANGLE};
+pub use tree::{BYTES_PER_INSTANCE, BYTES_PER_TRIANGLE, BYTES_PER_WIDE_TRIANGLE};

@@ -1,10 +1,10 @@
 //! One ray at a time: for rays that go their own ways.
 
 use crate::bvh8::{Bvh8, Child, Node8};
-use crate::query::Query;
+use crate::query::{Candidate, Query};
 use crate::simd::{Lanes, Wide, dispatch};
 use crate::slab::SlabRay;
-use crate::tree::{Block, Trees};
+use crate::tree::{Leaf, Trees, slot};
 use crate::triangle::{ShearedRay, main_axis};
 use glam::DVec3;
 
@@ -16,8 +16,8 @@ dispatch! {
 #[inline(always)]
 pub(crate) fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q, stack: &mut Vec<Entry>) {
     // One stack for both levels: the inner walk works above what the outer one left.
-    let sheared = ShearedRay::new(query.ray());
-    let (origin, direction) = (query.ray().origin, query.ray().direction);
+    let sheared = ShearedRay::new(query.origin(), query.direction());
+    let (origin, direction) = (query.origin(), query.direction());
     let Some(mut outer) = Walk::enter(&trees.instances, origin, direction, query.limit(), stack) else { return };
     while let Some(leaf) = outer.next(lanes, stack, query.limit()) {
         for place in leaf.first..leaf.first + leaf.count {
@@ -42,7 +42,7 @@ pub(crate) fn through_instance<L: Lanes, Q: Query>(
 ) {
     let placement = &trees.placements[place as usize];
     let mesh = &trees.meshes[placement.mesh as usize];
-    let (mut origin, mut direction) = (query.ray().origin, query.ray().direction);
+    let (mut origin, mut direction) = (query.origin(), query.direction());
     if !placement.identity {
         origin = placement.object_from_world.transform_point3(origin);
         direction = placement.object_from_world.transform_vector3(direction);
@@ -51,15 +51,16 @@ pub(crate) fn through_instance<L: Lanes, Q: Query>(
     let Some(mut walk) = Walk::enter(&mesh.tree, origin, direction, query.limit(), stack) else { return };
     let sieve = Sieve::new(&walk.ray, origin, direction, mesh.tree.slack);
     while let Some(leaf) = walk.next(lanes, stack, query.limit()) {
-        let block = &mesh.blocks[leaf.first as usize];
-        let mut left = sieve.pass::<L>(block, walk.ray.limit(query.limit())) & ((1 << leaf.count) - 1);
+        let block = mesh.leaf(leaf.first);
+        let mut left = sieve.pass::<L>(&block, walk.ray.limit(query.limit())) & ((1 << leaf.count) - 1);
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
-            let triangle = block.index[lane];
+            let triangle = block.block.index[lane];
             if !query.starts_on(placement.instance, triangle) {
                 let corners = trees.world_corners(place, &block.triangle(lane));
-                query.decide(sheared, placement.instance, triangle, &corners);
+                let with = Candidate { instance: placement.instance, triangle, place, slot: slot(leaf.first, lane) };
+                query.decide(sheared, &with, &corners);
             }
         }
         if query.limit() < 0.0 {
@@ -159,15 +160,20 @@ impl Sieve {
 
     /// A bit for each lane that may be met, at a distance of at most `limit` from the start of the walk.
     #[inline(always)]
-    fn pass<L: Lanes>(&self, block: &Block, limit: f32) -> u32 {
+    fn pass<L: Lanes>(&self, block: &Leaf<'_>, limit: f32) -> u32 {
         let [ix, iy, iz] = self.axes;
         let zero = L::X8::splat(0.0);
         let (mut x, mut y, mut depth) = ([zero; 3], [zero; 3], [zero; 3]);
         for k in 0..3 {
-            let corner = &block.corners[k];
-            let z = L::X8::load(&corner[iz]).sub(L::X8::splat(self.from[2]));
-            x[k] = L::X8::load(&corner[ix]).sub(L::X8::splat(self.from[0])).sub(z.mul(L::X8::splat(self.shear[0])));
-            y[k] = L::X8::load(&corner[iy]).sub(L::X8::splat(self.from[1])).sub(z.mul(L::X8::splat(self.shear[1])));
+            let z = block.coordinates::<L::X8>(k, iz).sub(L::X8::splat(self.from[2]));
+            x[k] = block
+                .coordinates::<L::X8>(k, ix)
+                .sub(L::X8::splat(self.from[0]))
+                .sub(z.mul(L::X8::splat(self.shear[0])));
+            y[k] = block
+                .coordinates::<L::X8>(k, iy)
+                .sub(L::X8::splat(self.from[1]))
+                .sub(z.mul(L::X8::splat(self.shear[1])));
             depth[k] = z.mul(L::X8::splat(self.sign));
         }
         let deepest = depth[0].max(depth[1]).max(depth[2]);

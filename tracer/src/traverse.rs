@@ -108,8 +108,8 @@ impl<'s> Tracer<'s> {
         far.length() + 1.0
     }
 
-    /// Bytes held by the trees and their copies of the triangles: at most [`crate::BYTES_PER_TRIANGLE`] for each triangle of a
-    /// mesh and [`crate::BYTES_PER_INSTANCE`] for each instance, and a few hundred for each mesh.
+    /// Bytes held by the trees and their copies of the triangles: at most [`crate::BYTES_PER_TRIANGLE`] (where leaves are
+    /// wide, [`crate::BYTES_PER_WIDE_TRIANGLE`]) for each triangle of a mesh and [`crate::BYTES_PER_INSTANCE`] for each instance, and a few hundred for each mesh.
     pub fn bytes(&self) -> usize {
         self.trees.bytes()
     }
@@ -123,18 +123,19 @@ impl<'s> Tracer<'s> {
     /// The closest hit at a distance in (0, `t_max`]. Hits within [`crate::tie_tolerance_m`] of the closest are one
     /// place; the lowest (instance, triangle) of them answers.
     pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        self.one(Kind::First, Closest::new(*ray, None, t_max)).answer()
+        self.one(Kind::First, Closest::new(ray.origin, ray.direction, t_max)).answer(&self.trees)
     }
 
     /// [`Tracer::closest`] of many rays, as far as they reach. Neighbours that go nearly the same way cost least.
     pub fn closest_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        self.all(Kind::First, rays.iter().map(|r| Closest::new(*r, None, self.reach_m(r.origin))), Closest::answer)
+        let query = |r: &Ray| Closest::new(r.origin, r.direction, self.reach_m(r.origin));
+        self.all(Kind::First, rays.iter().map(query), |q| q.answer(&self.trees))
     }
 
     /// What a straight line from a surface point to `target` meets first, if anything.
     pub fn occluder(&self, from: &Origin, target: DVec3) -> Option<Hit> {
         let (ray, t_max) = segment(from, target);
-        self.one(Kind::Line, Closest::new(ray, Some(*from), t_max)).answer()
+        self.one(Kind::Line, Closest::new(from, ray.direction, t_max)).answer(&self.trees)
     }
 
     /// Whether anything stands between a surface point and `target`.
@@ -154,26 +155,19 @@ impl<'s> Tracer<'s> {
 
     /// [`Tracer::blocked`] of many surface points and their directions (unit), as far as there is anything.
     pub fn blocked_all(&self, rays: &[(Origin, DVec3)]) -> Vec<bool> {
-        self.all(
-            Kind::Open,
-            rays.iter().map(|(from, direction)| Any::towards(from, *direction, self.reach_m(from.point()))),
-            |q| q.found(),
-        )
+        let queries = rays.iter().map(|(from, d)| Any::towards(from, *d, self.reach_m(from.point())));
+        self.all(Kind::Open, queries, |q| q.found())
     }
 
     /// The closest hit in a direction (unit) from a surface point.
     pub fn closest_from(&self, from: &Origin, direction: DVec3, t_max: f64) -> Option<Hit> {
-        let ray = Ray { origin: from.point(), direction };
-        self.one(Kind::Onward, Closest::new(ray, Some(*from), t_max)).answer()
+        self.one(Kind::Onward, Closest::new(from, direction, t_max)).answer(&self.trees)
     }
 
     /// [`Tracer::closest_from`] of many surface points and their directions (unit), as far as there is anything.
     pub fn closest_from_all(&self, rays: &[(Origin, DVec3)]) -> Vec<Option<Hit>> {
-        let query = |(from, direction): &(Origin, DVec3)| {
-            let ray = Ray { origin: from.point(), direction: *direction };
-            Closest::new(ray, Some(*from), self.reach_m(ray.origin))
-        };
-        self.all(Kind::Onward, rays.iter().map(query), Closest::answer)
+        let queries = rays.iter().map(|(from, d)| Closest::new(from, *d, self.reach_m(from.point())));
+        self.all(Kind::Onward, queries, |q| q.answer(&self.trees))
     }
 
     fn one<Q: Query>(&self, kind: Kind, mut query: Q) -> Q {

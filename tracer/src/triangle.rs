@@ -5,8 +5,8 @@
 //! edge compute its function from the same two sheared vertices, with opposite signs to the last bit, so a ray is inside
 //! at least one of them. An edge function of exactly 0 counts as inside: then both are hit and the tie rule decides.
 
+use crate::simd::Doubles;
 use glam::DVec3;
-use satseed_scene::Ray;
 
 /// The axis that a direction goes along most.
 #[inline(always)]
@@ -41,19 +41,18 @@ pub(crate) struct Crossing {
 }
 
 impl ShearedRay {
-    pub(crate) fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
+    pub(crate) fn new(origin: DVec3, d: DVec3) -> Self {
         let kz = main_axis(d);
         let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
         if d[kz] < 0.0 {
             core::mem::swap(&mut kx, &mut ky);
         }
         let shear = DVec3::new(d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]);
-        Self { origin: ray.origin, kx, ky, kz, shear }
+        Self { origin, kx, ky, kz, shear }
     }
 
     /// The crossing with a triangle at any `t`, also behind the origin.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn cross(&self, corners: &[DVec3; 3]) -> Option<Crossing> {
         let sheared = |p: DVec3| {
             let q = p - self.origin;
@@ -80,13 +79,123 @@ impl ShearedRay {
     }
 }
 
+/// Sixteen rays prepared for the test: side by side where they have their axes in common, else one by one. Each gets the
+/// operations of [`ShearedRay::cross`] in the same order, and so the same bits.
+#[derive(Clone)]
+pub(crate) struct ShearedPacket {
+    /// Of each ray: the axes of x, y and depth.
+    axes: [[u8; 3]; 16],
+    are_alike: bool,
+    /// Along these axes.
+    origin: [[f64; 16]; 3],
+    shear: [[f64; 16]; 3],
+}
+
+/// Crossings of sixteen rays with a triangle.
+pub(crate) struct Crossings {
+    /// A bit for each ray that has one ahead of it.
+    pub(crate) met: u32,
+    t: [f64; 16],
+    weights: [[f64; 16]; 3],
+}
+
+impl Crossings {
+    #[inline(always)]
+    pub(crate) fn of(&self, ray: usize) -> Crossing {
+        Crossing { t: self.t[ray], weights: [self.weights[0][ray], self.weights[1][ray], self.weights[2][ray]] }
+    }
+}
+
+impl ShearedPacket {
+    /// No rays.
+    pub(crate) const NONE: Self =
+        Self { axes: [[0; 3]; 16], are_alike: true, origin: [[0.0; 16]; 3], shear: [[0.0; 16]; 3] };
+
+    /// Puts a ray into a lane. The first must be set first.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, ray: &ShearedRay) {
+        let axes = [ray.kx, ray.ky, ray.kz];
+        self.axes[lane] = axes.map(|k| k as u8);
+        self.are_alike &= self.axes[lane] == self.axes[0];
+        for k in 0..3 {
+            self.origin[k][lane] = ray.origin[axes[k]];
+            self.shear[k][lane] = ray.shear[k];
+        }
+    }
+
+    /// The crossings of some of the rays with a triangle, ahead of them.
+    #[inline(always)]
+    pub(crate) fn cross<D: Doubles>(&self, rays: u32, corners: &[DVec3; 3]) -> Crossings {
+        // For fewer the one by one is faster.
+        const FEW: u32 = 3;
+        if !self.are_alike || rays.count_ones() < FEW {
+            return self.one_by_one(rays, corners);
+        }
+        let [kx, ky, kz] = self.axes[0].map(usize::from);
+        let zero = D::splat(0.0);
+        let shear = [D::load(&self.shear[0]), D::load(&self.shear[1]), D::load(&self.shear[2])];
+        let origin = [D::load(&self.origin[0]), D::load(&self.origin[1]), D::load(&self.origin[2])];
+        let (mut x, mut y, mut z) = ([zero; 3], [zero; 3], [zero; 3]);
+        for (k, p) in corners.iter().enumerate() {
+            z[k] = D::splat(p[kz]).sub(origin[2]);
+            x[k] = D::splat(p[kx]).sub(origin[0]).sub(shear[0].mul(z[k]));
+            y[k] = D::splat(p[ky]).sub(origin[1]).sub(shear[1].mul(z[k]));
+        }
+        let u = x[2].mul(y[1]).sub(y[2].mul(x[1]));
+        let v = x[0].mul(y[2]).sub(y[0].mul(x[2]));
+        let w = x[1].mul(y[0]).sub(y[1].mul(x[0]));
+        let negative = u.lt(zero) | v.lt(zero) | w.lt(zero);
+        let positive = zero.lt(u) | zero.lt(v) | zero.lt(w);
+        let determinant = u.add(v).add(w);
+        let flat = determinant.le(zero) & zero.le(determinant);
+        let met = rays & !(negative & positive) & !flat;
+        let inverse = D::splat(1.0).div(determinant);
+        let weights = [u.mul(inverse), v.mul(inverse), w.mul(inverse)];
+        let depth = weights[0].mul(z[0]).add(weights[1].mul(z[1])).add(weights[2].mul(z[2]));
+        let t = depth.mul(shear[2]);
+        Crossings {
+            met: met & zero.lt(t),
+            t: t.store(),
+            weights: [weights[0].store(), weights[1].store(), weights[2].store()],
+        }
+    }
+
+    fn one_by_one(&self, mut rays: u32, corners: &[DVec3; 3]) -> Crossings {
+        let mut all = Crossings { met: 0, t: [0.0; 16], weights: [[0.0; 16]; 3] };
+        while rays != 0 {
+            let ray = rays.trailing_zeros() as usize;
+            rays &= rays - 1;
+            if let Some(crossing) = self.ray(ray).cross(corners).filter(|c| c.t > 0.0) {
+                all.met |= 1 << ray;
+                all.t[ray] = crossing.t;
+                for (weights, w) in all.weights.iter_mut().zip(crossing.weights) {
+                    weights[ray] = w;
+                }
+            }
+        }
+        all
+    }
+
+    /// One of the rays.
+    #[inline(always)]
+    pub(crate) fn ray(&self, lane: usize) -> ShearedRay {
+        let [kx, ky, kz] = self.axes[lane].map(usize::from);
+        let mut origin = DVec3::ZERO;
+        origin[kx] = self.origin[0][lane];
+        origin[ky] = self.origin[1][lane];
+        origin[kz] = self.origin[2][lane];
+        let shear = DVec3::new(self.shear[0][lane], self.shear[1][lane], self.shear[2][lane]);
+        ShearedRay { origin, kx, ky, kz, shear }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn ray(origin: [f64; 3], towards: [f64; 3]) -> Ray {
+    fn ray(origin: [f64; 3], towards: [f64; 3]) -> ShearedRay {
         let origin = DVec3::from(origin);
-        Ray { origin, direction: (DVec3::from(towards) - origin).normalize() }
+        ShearedRay::new(origin, (DVec3::from(towards) - origin).normalize())
     }
 
     #[test]
@@ -104,7 +213,7 @@ mod tests {
             let origin = DVec3::new(rng.signed(), rng.signed(), 3.0 + rng.unit());
             let along = rng.unit() * 0.9;
             let aim = centre.lerp(rim[rng.below(7) as usize], along);
-            let sheared = ShearedRay::new(&Ray { origin, direction: (aim - origin).normalize() });
+            let sheared = ShearedRay::new(origin, (aim - origin).normalize());
             let hits = (0..7).filter(|k| sheared.cross(&[centre, rim[*k], rim[(k + 1) % 7]]).is_some()).count();
             assert!(hits >= 1, "slipped through at {aim}");
         }
@@ -120,10 +229,10 @@ mod tests {
     fn both_sides_and_distances() {
         let t = [DVec3::ZERO, DVec3::X, DVec3::Y];
         for z in [2.0, -2.0] {
-            let c = ShearedRay::new(&ray([0.2, 0.3, z], [0.2, 0.3, 0.0])).cross(&t).expect("hit");
+            let c = ray([0.2, 0.3, z], [0.2, 0.3, 0.0]).cross(&t).expect("hit");
             assert!((c.t - 2.0).abs() < 1e-15);
             assert!((c.weights[1] - 0.2).abs() < 1e-15 && (c.weights[2] - 0.3).abs() < 1e-15);
         }
-        assert!(ShearedRay::new(&ray([0.7, 0.7, 1.0], [0.7, 0.7, 0.0])).cross(&t).is_none());
+        assert!(ray([0.7, 0.7, 1.0], [0.7, 0.7, 0.0]).cross(&t).is_none());
     }
 }

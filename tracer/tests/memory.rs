@@ -3,7 +3,7 @@
 
 use glam::{DAffine3, DVec3};
 use satseed_scene::{Bands, Class, Instance, Material, Mesh, Object, Rng, Scene, SeedPath, quantise_point};
-use satseed_tracer::{BYTES_PER_INSTANCE, BYTES_PER_TRIANGLE, Tracer};
+use satseed_tracer::{BYTES_PER_INSTANCE, BYTES_PER_TRIANGLE, BYTES_PER_WIDE_TRIANGLE, Tracer};
 
 /// What a mesh's tree holds beside its triangles: a node and a block that may be nearly empty.
 const BYTES_PER_MESH: usize = 640;
@@ -71,20 +71,25 @@ fn scene(mut meshes: Vec<Mesh>, placed: &[(u32, u32)], rng: &mut Rng) -> Scene {
 fn trees_stay_within_their_bound() {
     let mut rng = SeedPath::root("memory", 1).rng();
     let cases = [
-        ("fine ground", vec![ground(300, 0.5)], vec![(0, 1)]),
-        ("coarse ground", vec![ground(100, 90.0)], vec![(0, 1)]),
-        ("leaves", vec![loose(20_000, 4.0, 0.2, &mut rng)], vec![(0, 1)]),
-        ("a heap of all sizes", vec![loose(20_000, 400.0, 80.0, &mut rng)], vec![(0, 1)]),
-        ("many small meshes", (0..500).map(|k| loose(12 + k % 30, 3.0, 1.0, &mut rng)).collect(), vec![]),
-        ("many instances", vec![loose(3_000, 4.0, 0.2, &mut rng)], vec![(0, 30_000)]),
+        ("fine ground", BYTES_PER_TRIANGLE, vec![ground(300, 0.5)], vec![(0, 1)]),
+        ("coarse ground", BYTES_PER_WIDE_TRIANGLE, vec![ground(100, 90.0)], vec![(0, 1)]),
+        ("leaves", BYTES_PER_TRIANGLE, vec![loose(20_000, 4.0, 0.2, &mut rng)], vec![(0, 1)]),
+        ("a heap of all sizes", BYTES_PER_WIDE_TRIANGLE, vec![loose(20_000, 400.0, 80.0, &mut rng)], vec![(0, 1)]),
+        (
+            "many small meshes",
+            BYTES_PER_TRIANGLE,
+            (0..500).map(|k| loose(12 + k % 30, 3.0, 1.0, &mut rng)).collect(),
+            vec![],
+        ),
+        ("many instances", BYTES_PER_TRIANGLE, vec![loose(3_000, 4.0, 0.2, &mut rng)], vec![(0, 30_000)]),
     ];
-    for (name, meshes, mut placed) in cases {
+    for (name, bytes_per_triangle, meshes, mut placed) in cases {
         if placed.is_empty() {
             placed = (0..meshes.len() as u32).map(|mesh| (mesh, 1)).collect();
         }
         let scene = scene(meshes, &placed, &mut rng);
         let (held, _) = scene.triangle_counts();
-        let bound = held * BYTES_PER_TRIANGLE
+        let bound = held * bytes_per_triangle
             + scene.instances.len() * BYTES_PER_INSTANCE
             + (scene.meshes.len() + 1) * BYTES_PER_MESH;
         let bytes = Tracer::new(&scene).bytes();

@@ -33,14 +33,14 @@ impl Frame {
     /// The rays in the world's frame, if they share a way.
     #[inline(always)]
     pub(super) fn world<L: Lanes, Q: Query>(lanes: L, tree: &Bvh8, queries: &[Q]) -> Result<Self, Split> {
-        let mean = queries.iter().fold(DVec3::ZERO, |sum, q| sum + q.ray().direction);
+        let mean = queries.iter().fold(DVec3::ZERO, |sum, q| sum + q.direction());
         let axes = axes(mean);
         let [x, y, z] = axes;
         let sign = if mean[z] < 0.0 { -1.0 } else { 1.0 };
         let [first, last] = depths(tree.bounds, z, sign);
         let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
         for q in queries {
-            let (o, d) = (q.ray().origin, q.ray().direction);
+            let (o, d) = (q.origin(), q.direction());
             let ahead = d[z] * sign;
             if !(d[x].abs() <= STEEPEST * ahead && d[y].abs() <= STEEPEST * ahead) {
                 return Err(if queries.len() > LANES { Split::Packets } else { Split::Rays });
@@ -58,7 +58,7 @@ impl Frame {
                 let mut packet = Packet::NONE;
                 for lane in 0..LANES {
                     let q = &members[lane.min(members.len() - 1)];
-                    let (o, d) = (q.ray().origin, q.ray().direction);
+                    let (o, d) = (q.origin(), q.direction());
                     let inverse = 1.0 / d[z];
                     let slope = [d[x] * inverse * sign, d[y] * inverse * sign];
                     let behind = f64::from(reference) - o[z] * sign;
@@ -243,7 +243,7 @@ impl Frame {
         if limit < 0.0 {
             return f32::NEG_INFINITY;
         }
-        let at = q.ray().origin + q.ray().direction * limit;
+        let at = q.origin() + q.direction() * limit;
         let at = self.from_world.map_or(at, |m| m.transform_point3(at));
         far(at[self.axes[2]] * f64::from(self.sign) - f64::from(self.reference), self.error_m, self.depth)
     }

@@ -14,7 +14,7 @@ use crate::query::Query;
 use crate::simd::{Lanes, dispatch};
 use crate::single::{self, through_instance};
 use crate::tree::Trees;
-use crate::triangle::ShearedRay;
+use crate::triangle::{ShearedPacket, ShearedRay};
 use frame::Frame;
 use walk::Entry;
 
@@ -67,7 +67,14 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
 /// Takes rays that share a way through the scene.
 #[inline(always)]
 fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queries: &mut [Q], stacks: &mut Stacks) {
-    let sheared: Vec<ShearedRay> = queries.iter().map(|q| ShearedRay::new(q.ray())).collect();
+    let mut sheared = vec![ShearedPacket::NONE; queries.len().div_ceil(LANES)];
+    for (packet, members) in sheared.iter_mut().zip(queries.chunks(LANES)) {
+        for lane in 0..LANES {
+            // Lanes that hold no ray repeat the last one.
+            let q = &members[lane.min(members.len() - 1)];
+            packet.set(lane, &ShearedRay::new(q.origin(), q.direction()));
+        }
+    }
     stacks.outer.push(Entry::ROOT);
     while let Some((leaf, packets)) = world.next(lanes, &trees.instances.nodes, &mut stacks.outer) {
         for place in leaf.first..leaf.first + leaf.count {
@@ -76,15 +83,16 @@ fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queri
             if placement.identity {
                 stacks.inner.push(Entry::ROOT);
                 while let Some((leaf, _)) = world.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
-                    let block = &mesh.blocks[leaf.first as usize];
-                    world.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
+                    let block = mesh.leaf(leaf.first);
+                    world.meet(lanes, trees, place, &block, leaf, &sheared, queries);
                 }
                 continue;
             }
             let Some(mut object) = world.seen_from(lanes, placement, &mesh.tree, packets) else {
-                for (index, (query, sheared)) in queries.iter_mut().zip(&sheared).enumerate() {
-                    if packets >> (index / LANES) & 1 == 1 {
-                        through_instance(lanes, trees, place, sheared, query, &mut stacks.alone);
+                for (index, query) in queries.iter_mut().enumerate() {
+                    let (packet, ray) = (index / LANES, index % LANES);
+                    if packets >> packet & 1 == 1 {
+                        through_instance(lanes, trees, place, &sheared[packet].ray(ray), query, &mut stacks.alone);
                     }
                 }
                 world.refresh(queries, packets);
@@ -93,8 +101,8 @@ fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queri
             let mut touched = 0;
             stacks.inner.push(Entry::ROOT);
             while let Some((leaf, _)) = object.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
-                let block = &mesh.blocks[leaf.first as usize];
-                touched |= object.meet(lanes, trees, place, block, leaf.count, &sheared, queries);
+                let block = mesh.leaf(leaf.first);
+                touched |= object.meet(lanes, trees, place, &block, leaf, &sheared, queries);
             }
             if touched != 0 {
                 world.refresh(queries, touched);

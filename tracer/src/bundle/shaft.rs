@@ -116,13 +116,19 @@ impl Shaft {
 /// Smallest and largest number.
 #[inline(always)]
 pub(super) fn range(x: &[f32; LANES]) -> (f32, f32) {
-    let (mut low, mut high) = (x[0], x[0]);
-    for v in &x[1..] {
-        low = if *v < low { *v } else { low };
-        high = if *v > high { *v } else { high };
+    // Halves against each other, which goes side by side in registers; one after the other waits for itself.
+    let (mut low, mut high) = (*x, *x);
+    let mut half = LANES / 2;
+    while half > 0 {
+        for i in 0..half {
+            low[i] = if low[i + half] < low[i] { low[i + half] } else { low[i] };
+            high[i] = if high[i + half] > high[i] { high[i + half] } else { high[i] };
+        }
+        half /= 2;
     }
-    (low, high)
+    (low[0], high[0])
 }
+
 /// A bit for each lane where the space between two lines over depth, given as place and slope, meets a range somewhere
 /// between two depths.
 #[inline(always)]

@@ -5,11 +5,11 @@ use super::LANES;
 use super::frame::Frame;
 use super::shaft::{overlap, range, splat4};
 use crate::bvh8::{Child, Node8};
-use crate::query::Query;
+use crate::query::{Candidate, Query};
 use crate::simd::{Lanes, Wide};
 use crate::single::may_cross;
-use crate::tree::{Block, Trees};
-use crate::triangle::ShearedRay;
+use crate::tree::{Leaf, Trees, slot};
+use crate::triangle::ShearedPacket;
 
 /// A node or leaf that waits, and the depth at which the shaft enters it.
 #[derive(Clone, Copy)]
@@ -92,9 +92,9 @@ impl Frame {
         _: L,
         trees: &Trees,
         place: u32,
-        block: &Block,
-        count: u32,
-        sheared: &[ShearedRay],
+        block: &Leaf<'_>,
+        leaf: Child,
+        sheared: &[ShearedPacket],
         queries: &mut [Q],
     ) -> u32 {
         let [x, y, z] = self.axes;
@@ -103,7 +103,7 @@ impl Frame {
         let (near, far) = self.depths::<8, L::X8>(low_z, high_z);
         let ranges = [extent::<L>(block, x), extent::<L>(block, y)];
         let s = &self.bundle;
-        let mut left = near.le(L::X8::splat(s.far)) & L::X8::splat(s.start).le(far) & ((1 << count) - 1);
+        let mut left = near.le(L::X8::splat(s.far)) & L::X8::splat(s.start).le(far) & ((1 << leaf.count) - 1);
         for k in 0..2 {
             let lines = splat4([s.low[k], s.low_slope[k], s.high[k], s.high_slope[k]]);
             left &= overlap(lines, [near, far], [ranges[k].0, ranges[k].1]);
@@ -125,25 +125,30 @@ impl Frame {
                 continue;
             }
             let corners = block.triangle(lane);
-            let triangle = block.index[lane];
+            let triangle = block.block.index[lane];
             let mut world = None;
             while packets != 0 {
                 let p = packets.trailing_zeros() as usize;
                 packets &= packets - 1;
                 let mut rays = self.sieve::<L>(p, &corners, near[lane], far[lane]);
+                if rays == 0 {
+                    continue;
+                }
+                let world = world.get_or_insert_with(|| trees.world_corners(place, &corners));
+                let crossings = sheared[p].cross::<L::D16>(rays, world);
+                rays = crossings.met;
                 while rays != 0 {
                     let ray = rays.trailing_zeros() as usize;
                     rays &= rays - 1;
-                    let index = p * LANES + ray;
-                    let query = &mut queries[index];
+                    let query = &mut queries[p * LANES + ray];
                     if query.starts_on(instance, triangle) {
                         continue;
                     }
                     let before = query.limit();
-                    let world = world.get_or_insert_with(|| trees.world_corners(place, &corners));
-                    query.decide(&sheared[index], instance, triangle, world);
+                    let with = Candidate { instance, triangle, place, slot: slot(leaf.first, lane) };
+                    query.take(&with, world, &crossings.of(ray));
                     if query.limit() != before {
-                        self.packets[p].far[ray] = self.far_of(&queries[index]);
+                        self.packets[p].far[ray] = self.far_of(&queries[p * LANES + ray]);
                         touched |= 1 << p;
                     }
                 }
@@ -185,9 +190,9 @@ impl Frame {
 
 /// Lower and upper borders of a block's triangles along an axis.
 #[inline(always)]
-fn extent<L: Lanes>(block: &Block, axis: usize) -> (L::X8, L::X8) {
-    let a = L::X8::load(&block.corners[0][axis]);
-    let b = L::X8::load(&block.corners[1][axis]);
-    let c = L::X8::load(&block.corners[2][axis]);
+fn extent<L: Lanes>(block: &Leaf<'_>, axis: usize) -> (L::X8, L::X8) {
+    let a = block.coordinates::<L::X8>(0, axis);
+    let b = block.coordinates::<L::X8>(1, axis);
+    let c = block.coordinates::<L::X8>(2, axis);
     (a.min(b).min(c), a.max(b).max(c))
 }

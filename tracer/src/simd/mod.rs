@@ -8,6 +8,11 @@
 //! compiled for them.
 #![allow(unsafe_code)]
 
+mod doubles;
+
+pub(crate) use doubles::Doubles;
+use doubles::PortableDoubles;
+
 /// Which vector instructions the tracer uses. The answers are the same; the time is not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InstructionSet {
@@ -47,6 +52,8 @@ impl InstructionSet {
 pub(crate) trait Wide<const N: usize>: Copy {
     fn splat(x: f32) -> Self;
     fn load(x: &[f32; N]) -> Self;
+    /// Whole numbers, exactly.
+    fn load_u16(x: &[u16; N]) -> Self;
     fn store(self) -> [f32; N];
     fn add(self, other: Self) -> Self;
     fn sub(self, other: Self) -> Self;
@@ -65,6 +72,7 @@ pub(crate) trait Wide<const N: usize>: Copy {
 pub(crate) trait Lanes: Copy {
     type X8: Wide<8>;
     type X16: Wide<16>;
+    type D16: Doubles;
 }
 
 /// One register.
@@ -73,6 +81,8 @@ trait Register: Copy {
     fn splat(x: f32) -> Self;
     /// The first lanes of a slice that holds at least [`Register::LANES`] numbers.
     fn load(x: &[f32]) -> Self;
+    /// The same of whole numbers.
+    fn load_u16(x: &[u16]) -> Self;
     fn store(self, x: &mut [f32]);
     fn add(self, other: Self) -> Self;
     fn sub(self, other: Self) -> Self;
@@ -123,6 +133,14 @@ macro_rules! wide {
                 Self(out)
             }
             #[inline(always)]
+            fn load_u16(x: &[u16; $lanes]) -> Self {
+                let mut out = [<$register as Register>::splat(0.0); $registers];
+                for i in 0..$registers {
+                    out[i] = <$register as Register>::load_u16(&x[i * <$register as Register>::LANES..]);
+                }
+                Self(out)
+            }
+            #[inline(always)]
             fn store(self) -> [f32; $lanes] {
                 let mut out = [0.0; $lanes];
                 for i in 0..$registers {
@@ -157,6 +175,7 @@ pub(crate) struct Portable;
 impl Lanes for Portable {
     type X8 = Several<f32, 8>;
     type X16 = Several<f32, 16>;
+    type D16 = PortableDoubles;
 }
 
 impl Register for f32 {
@@ -168,6 +187,10 @@ impl Register for f32 {
     #[inline(always)]
     fn load(x: &[f32]) -> Self {
         x[0]
+    }
+    #[inline(always)]
+    fn load_u16(x: &[u16]) -> Self {
+        f32::from(x[0])
     }
     #[inline(always)]
     fn store(self, x: &mut [f32]) {
@@ -215,14 +238,17 @@ pub(crate) use x86::{Avx2, Avx512, Sse2};
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
+    use super::doubles::{Avx2Doubles, Avx512Doubles, Sse2Doubles};
     use super::{Lanes, Register, Several, Wide};
     use core::arch::x86_64::{
-        __m128, __m256, __m512, _CMP_LE_OQ, _mm_add_ps, _mm_andnot_ps, _mm_cmple_ps, _mm_div_ps, _mm_loadu_ps,
-        _mm_max_ps, _mm_min_ps, _mm_movemask_ps, _mm_mul_ps, _mm_set1_ps, _mm_storeu_ps, _mm_sub_ps, _mm256_add_ps,
-        _mm256_andnot_ps, _mm256_cmp_ps, _mm256_div_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
-        _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm512_abs_ps,
-        _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_div_ps, _mm512_loadu_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
-        _mm512_set1_ps, _mm512_storeu_ps, _mm512_sub_ps,
+        __m128, __m256, __m512, _CMP_LE_OQ, _mm_add_ps, _mm_andnot_ps, _mm_cmple_ps, _mm_cvtepi32_ps, _mm_div_ps,
+        _mm_loadl_epi64, _mm_loadu_ps, _mm_loadu_si128, _mm_max_ps, _mm_min_ps, _mm_movemask_ps, _mm_mul_ps,
+        _mm_set1_ps, _mm_setzero_si128, _mm_storeu_ps, _mm_sub_ps, _mm_unpacklo_epi16, _mm256_add_ps, _mm256_andnot_ps,
+        _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtepu16_epi32, _mm256_div_ps, _mm256_loadu_ps, _mm256_loadu_si256,
+        _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_storeu_ps,
+        _mm256_sub_ps, _mm512_abs_ps, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtepu16_epi32,
+        _mm512_div_ps, _mm512_loadu_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps, _mm512_set1_ps, _mm512_storeu_ps,
+        _mm512_sub_ps,
     };
 
     /// 128-bit registers.
@@ -238,14 +264,17 @@ mod x86 {
     impl Lanes for Sse2 {
         type X8 = Several<__m128, 2>;
         type X16 = Several<__m128, 4>;
+        type D16 = Sse2Doubles;
     }
     impl Lanes for Avx2 {
         type X8 = Several<__m256, 1>;
         type X16 = Several<__m256, 2>;
+        type D16 = Avx2Doubles;
     }
     impl Lanes for Avx512 {
         type X8 = Several<__m256, 1>;
         type X16 = Several<__m512, 1>;
+        type D16 = Avx512Doubles;
     }
 
     macro_rules! binary {
@@ -260,7 +289,7 @@ mod x86 {
 
     macro_rules! register {
         ($register:ty, $lanes:literal, $set1:ident, $loadu:ident, $storeu:ident, $add:ident, $sub:ident, $mul:ident,
-         $div:ident, $min:ident, $max:ident, |$x:ident| $abs:expr, |$a:ident, $b:ident| $le:expr) => {
+         $div:ident, $min:ident, $max:ident, |$x:ident| $abs:expr, |$a:ident, $b:ident| $le:expr, |$p:ident| $load_u16:expr) => {
             impl Register for $register {
                 const LANES: usize = $lanes;
                 binary!(add, $add);
@@ -279,6 +308,12 @@ mod x86 {
                     let lanes = &x[..$lanes];
                     // SAFETY: as above; the slice holds all lanes, and the load needs no alignment.
                     unsafe { $loadu(lanes.as_ptr()) }
+                }
+                #[inline(always)]
+                fn load_u16(x: &[u16]) -> Self {
+                    let $p = x[..$lanes].as_ptr();
+                    // SAFETY: as above; the slice holds all lanes, and the load needs no alignment.
+                    unsafe { $load_u16 }
                 }
                 #[inline(always)]
                 fn store(self, x: &mut [f32]) {
@@ -315,7 +350,8 @@ mod x86 {
         _mm_min_ps,
         _mm_max_ps,
         |x| _mm_andnot_ps(_mm_set1_ps(-0.0), x),
-        |a, b| _mm_movemask_ps(_mm_cmple_ps(a, b)).cast_unsigned()
+        |a, b| _mm_movemask_ps(_mm_cmple_ps(a, b)).cast_unsigned(),
+        |p| _mm_cvtepi32_ps(_mm_unpacklo_epi16(_mm_loadl_epi64(p.cast()), _mm_setzero_si128()))
     );
     register!(
         __m256,
@@ -330,7 +366,8 @@ mod x86 {
         _mm256_min_ps,
         _mm256_max_ps,
         |x| _mm256_andnot_ps(_mm256_set1_ps(-0.0), x),
-        |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)).cast_unsigned()
+        |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)).cast_unsigned(),
+        |p| _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(p.cast())))
     );
     register!(
         __m512,
@@ -345,7 +382,8 @@ mod x86 {
         _mm512_min_ps,
         _mm512_max_ps,
         |x| _mm512_abs_ps(x),
-        |a, b| u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
+        |a, b| u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b)),
+        |p| _mm512_cvtepi32_ps(_mm512_cvtepu16_epi32(_mm256_loadu_si256(p.cast())))
     );
 
     wide!(__m128, 2, 8);
