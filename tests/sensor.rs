@@ -421,6 +421,7 @@ fn the_lattice_errs_little() {
         match &mut region {
             Region::Canyon(p) => p.radius_m = 120.0,
             Region::Toronto(p) => p.radius_m = 120.0,
+            Region::Desert(p) => p.radius_m = 120.0,
         }
         let scene = region.build(seed);
         let tracer = Tracer::new(&scene);
