@@ -12,11 +12,13 @@
 //!   -> sample     two views and cameras of one pair
 //!   -> dataset    files, manifest, verify, resume
 //!   -> evaluate   predictions against labels: scores, break-downs, likely mistakes
+//!   -> export     the layouts that stereo trainers load
 //! ```
 
 pub mod camera;
 pub mod dataset;
 pub mod evaluate;
+pub mod export;
 pub mod labels;
 pub mod pipeline;
 pub mod plan;

@@ -17,7 +17,8 @@ struct Room {
 const SCENE: &str = "satseed_scene";
 const TRACER: &str = "satseed_tracer";
 const GENERATORS: &str = "satseed_generators";
-const ALL: &[&str] = &["camera", "cli", "dataset", "evaluate", "labels", "pipeline", "plan", "recipe", "render"];
+const ALL: &[&str] =
+    &["camera", "cli", "dataset", "evaluate", "export", "labels", "pipeline", "plan", "recipe", "render"];
 
 /// The table of docs/architecture.md. The scene is the vocabulary that everyone speaks.
 const ROOMS: &[Room] = &[
@@ -31,6 +32,7 @@ const ROOMS: &[Room] = &[
     Room { name: "plan", rooms: &["recipe"], crates: &[SCENE] },
     Room { name: "dataset", rooms: &["plan"], crates: &[SCENE] },
     Room { name: "evaluate", rooms: &["dataset"], crates: &[] },
+    Room { name: "export", rooms: &["dataset"], crates: &[] },
     Room {
         name: "pipeline",
         rooms: &["camera", "dataset", "labels", "plan", "recipe", "render"],
@@ -53,6 +55,9 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("tiff_writer", &["dataset"]),
     ("tiff_core", &["dataset"]),
     ("base64", &["evaluate"]),
+    ("image", &["export"]),
+    ("png", &["dataset", "evaluate", "export"]),
+    ("tar", &["export"]),
     ("half", &["evaluate"]),
     ("rustix", &["dataset", "pipeline"]),
     ("anyhow", &["cli", "main"]),

@@ -2,8 +2,10 @@
 
 #![allow(clippy::doc_markdown)]
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use satseed::evaluate::{self, Limit};
+use satseed::export::{Layout, Overlap};
 use satseed::plan::Shard;
 use satseed::recipe::{Changes, Recipe, RecipeError};
 use std::path::PathBuf;
@@ -38,6 +40,8 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// Hold predicted disparities against a dataset's labels
     Evaluate(EvaluateArgs),
+    /// Write a dataset in the layout that another loader reads
+    Export(ExportArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
 }
@@ -244,6 +248,48 @@ pub(crate) struct EvaluateArgs {
     /// Exit with 1 where a metric is above a value, such as noc.epe_px=1.5, all.d1=0.05 or boundary.bad_1=0.3
     #[arg(long, value_name = "METRIC=VALUE")]
     pub(crate) fail_above: Vec<Limit>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// Folder of the dataset
+    pub(crate) dir: PathBuf,
+    /// For which loader; docs/export.md tells what each is
+    #[arg(long, value_name = "NAME", value_parser = layouts())]
+    pub(crate) layout: Layout,
+    /// Folder to write, new or empty
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Only what both views show of the ground at the pivot's height; `overlap:lowest` and `overlap:METRES` choose another
+    /// height
+    #[arg(long, value_name = "overlap", value_parser = overlap)]
+    pub(crate) crop: Option<Overlap>,
+    /// One pixel for K by K; disparity in pixels shrinks with them
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) downsample: u32,
+    /// Cut into square tiles of N px, the same windows of both views; what fills no tile is left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..))]
+    pub(crate) tile: Option<u32>,
+    /// Only samples of this split, such as test
+    #[arg(long, value_name = "S")]
+    pub(crate) split: Option<String>,
+}
+
+fn layouts() -> impl TypedValueParser<Value = Layout> {
+    let by_name = |name: String| Layout::ALL.into_iter().find(|l| l.name() == name).ok_or("no layout has this name");
+    PossibleValuesParser::new(Layout::ALL.map(Layout::name)).try_map(by_name)
+}
+
+fn overlap(text: &str) -> Result<Overlap, String> {
+    match text.split_once(':') {
+        None if text == "overlap" => Ok(Overlap::Pivot),
+        Some(("overlap", "lowest")) => Ok(Overlap::Lowest),
+        Some(("overlap", height)) => match height.parse::<f64>() {
+            Ok(height_m) if height_m.is_finite() => Ok(Overlap::HeightM(height_m)),
+            _ => Err(format!("`{height}` is no height in metres; write overlap, overlap:lowest or overlap:85.5")),
+        },
+        _ => Err("a crop is overlap, overlap:lowest or overlap:METRES".to_owned()),
+    }
 }
 
 /// Layouts of other datasets.

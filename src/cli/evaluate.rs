@@ -2,13 +2,12 @@
 
 use super::Exit;
 use super::args::EvaluateArgs;
-use super::output::write_stdout;
+use super::output::{sample_bar, write_stdout};
 use anyhow::Context as _;
-use indicatif::{ProgressBar, ProgressStyle};
 use satseed::dataset::{Dataset, DiskStore};
 use satseed::evaluate::{Breakdown, Evaluation, Foreign, Options, Scores, Source, evaluate, html_report};
 use satseed::pipeline::thread_pool;
-use std::io::{self, IsTerminal as _, Write};
+use std::io::{self, Write};
 
 /// Lines of missing, unusable and strange files that the terminal shows; the JSON file has all.
 const SHOWN: usize = 5;
@@ -29,7 +28,7 @@ pub(crate) fn run(args: &EvaluateArgs) -> anyhow::Result<Exit> {
 fn run_on(args: &EvaluateArgs, source: Source<'_>) -> anyhow::Result<Exit> {
     let options = Options { split: args.split.clone(), png_scale: args.png_scale };
     let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-    let bar = bar();
+    let bar = sample_bar();
     let done = |id: &str| {
         tracing::debug!("evaluated {id}");
         bar.inc(1);
@@ -52,14 +51,6 @@ fn run_on(args: &EvaluateArgs, source: Source<'_>) -> anyhow::Result<Exit> {
         exceeded.iter().try_for_each(|told| writeln!(out, "failed: {told}"))
     })?;
     Ok(if evaluation.is_complete() && exceeded.is_empty() { Exit::Fine } else { Exit::CheckFailed })
-}
-
-fn bar() -> ProgressBar {
-    if !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{spinner} {pos} samples, {elapsed}");
-    ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 fn write_text(out: &mut dyn Write, e: &Evaluation) -> io::Result<()> {

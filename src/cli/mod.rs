@@ -6,6 +6,7 @@ mod args;
 mod completions;
 mod evaluate;
 mod explain;
+mod export;
 mod generate;
 mod info;
 mod logging;
@@ -61,6 +62,7 @@ fn run(command: &Command) -> anyhow::Result<Exit> {
         Command::Info(args) => info::run(args),
         Command::Explain(args) => explain::run(args),
         Command::Evaluate(args) => evaluate::run(args),
+        Command::Export(args) => export::run(args),
         Command::Completions(args) => completions::run(args),
     }
 }

@@ -1,12 +1,22 @@
 //! stdout: data, and nothing else.
 
 use anyhow::Context as _;
-use std::io::{self, BufWriter, Write};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{self, BufWriter, IsTerminal as _, Write};
 
 /// Writes to stdout and flushes it.
 pub(crate) fn write_stdout(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
     let mut out = BufWriter::new(io::stdout().lock());
     write(&mut out).and_then(|()| out.flush()).context("cannot write to standard output")
+}
+
+/// Counts samples on a terminal.
+pub(crate) fn sample_bar() -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{spinner} {pos} samples, {elapsed}");
+    ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// Whether the reader of our output went away: `satseed plan ... | head` is no error.

@@ -1,5 +1,6 @@
 //! `camera.json`. A format of its own, which stays as it is when the program's cameras change.
 
+use super::formats::HeightMap;
 use serde::{Deserialize, Serialize};
 
 /// One camera of `camera.json`.
@@ -48,4 +49,29 @@ pub struct CameraFile {
     pub doffs_px: f64,
     /// Lowest and highest disparity of the left view's hit pixels, occluded and out-of-frame ones included, px.
     pub disparity_range_px: Option<[f32; 2]>,
+}
+
+impl CameraFile {
+    /// Height (m) of each of the left view's points over a surface model below it; NaN where the pixel has no disparity (px)
+    /// or the model no height. The point comes from disparity and cameras: depth is f B / (d + doffs).
+    pub fn heights_above(&self, ground: &HeightMap, disparity_px: &[f32]) -> Vec<f64> {
+        let left = &self.left;
+        let [cx, cy, cz] = left.position_m;
+        let r = &left.world_from_camera;
+        let cell = |at: f64, first: f64, count: u32| {
+            let i = ((at - first) / ground.cell_m).round();
+            (i >= 0.0 && i < f64::from(count)).then_some(i as usize)
+        };
+        let height_m = |i: usize| {
+            let depth = left.fx_px * self.baseline_m / (f64::from(disparity_px[i]) + self.doffs_px);
+            let (u, v) = (i % left.width_px as usize, i / left.width_px as usize);
+            let ray = [(u as f64 - left.cx_px) / left.fx_px, (v as f64 - left.cy_px) / left.fy_px, 1.0];
+            let along = |row: &[f64; 3]| depth * (row[0] * ray[0] + row[1] * ray[1] + row[2] * ray[2]);
+            let [x, y, z] = [cx + along(&r[0]), cy + along(&r[1]), cz + along(&r[2])];
+            let column = cell(x, ground.west_m, ground.width)?;
+            let row = cell(y, ground.south_m, ground.height)?;
+            Some(z - f64::from(ground.heights_m[row * ground.width as usize + column]))
+        };
+        (0..disparity_px.len()).map(|i| height_m(i).unwrap_or(f64::NAN)).collect()
+    }
 }

@@ -4,7 +4,7 @@ use super::EvaluateError;
 use super::breakdown::DisparityBins;
 use super::foreign::{Foreign, ForeignSample};
 use super::prediction::Size;
-use super::truth::{Truth, bytes, floats};
+use super::truth::Truth;
 use crate::dataset::formats::HeightMap;
 use crate::dataset::{Dataset, Layer, SampleRecord, View};
 use rayon::prelude::*;
@@ -121,12 +121,12 @@ impl<'a> Item<'a> {
         match self {
             Self::Native(dataset, record) => {
                 let camera = dataset.camera(record)?;
-                let plane = |layer| Ok::<_, EvaluateError>(dataset.plane(record, &camera, layer, View::Left)?.pixels);
+                let plane = |layer| dataset.plane(record, &camera, layer, View::Left);
                 Ok(Maps {
                     size: Size { width: camera.left.width_px, height: camera.left.height_px },
-                    rgb: dataset.plane(record, &camera, Layer::Image, View::Left)?.to_rgb8(),
-                    disparity_px: floats(plane(Layer::Disparity)?),
-                    validity: bytes(plane(Layer::Validity)?),
+                    rgb: plane(Layer::Image)?.to_rgb8(),
+                    disparity_px: plane(Layer::Disparity)?.into_floats(),
+                    validity: plane(Layer::Validity)?.into_bytes(),
                 })
             }
             Self::Foreign(_, sample) => {

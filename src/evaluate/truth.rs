@@ -4,7 +4,7 @@ use super::boundary::{jumps, squared_distances};
 use super::breakdown::{By, DisparityBins, NO_BIN, boundary_bin, height_bin, shadow_bin, slope_bin};
 use super::prediction::Size;
 use super::texture::contrast_steps;
-use crate::dataset::formats::{HeightMap, Pixels};
+use crate::dataset::formats::{HeightMap, Pixels, Plane};
 use crate::dataset::{CameraFile, Dataset, Layer, ReadError, SampleRecord, View, validity};
 
 /// A sample's truth.
@@ -36,13 +36,13 @@ impl Truth {
         let camera = dataset.camera(record)?;
         let size = Size { width: camera.left.width_px, height: camera.left.height_px };
         let width = size.width as usize;
-        let plane = |layer| Ok::<_, ReadError>(dataset.plane(record, &camera, layer, View::Left)?.pixels);
+        let plane = |layer| dataset.plane(record, &camera, layer, View::Left);
         let label = |layer: Layer| {
             let there = record.files.contains_key(&layer.key(View::Left));
             there.then(|| plane(layer)).transpose()
         };
-        let disparity_px = floats(plane(Layer::Disparity)?);
-        let validity = bytes(plane(Layer::Validity)?);
+        let disparity_px = plane(Layer::Disparity)?.into_floats();
+        let validity = plane(Layer::Validity)?.into_bytes();
         let jumps = jumps(&disparity_px, width);
         let jump_distances = squared_distances(&jumps, width);
         let bins = By::ALL.map(|by| {
@@ -57,16 +57,18 @@ impl Truth {
                 }
                 By::Boundary => jump_distances.iter().map(|d| boundary_bin(*d)).collect(),
                 By::Slope => {
-                    let Some(Pixels::Vector(normals)) = label(Layer::Normal)? else { return Ok(None) };
+                    let Some(Plane { pixels: Pixels::Vector(normals), .. }) = label(Layer::Normal)? else {
+                        return Ok(None);
+                    };
                     normals.chunks_exact(3).map(|n| slope_bin([n[0], n[1], n[2]])).collect()
                 }
                 By::Class => {
                     let Some(classes) = label(Layer::Class)? else { return Ok(None) };
-                    bytes(classes).into_iter().map(u16::from).collect()
+                    classes.into_bytes().into_iter().map(u16::from).collect()
                 }
                 By::Shadow => {
                     let Some(shadow) = label(Layer::Shadow)? else { return Ok(None) };
-                    bytes(shadow).into_iter().map(shadow_bin).collect()
+                    shadow.into_bytes().into_iter().map(shadow_bin).collect()
                 }
             }))
         });
@@ -86,37 +88,10 @@ impl Truth {
     }
 }
 
-/// The values of a layer of floats. The reader gives the kind of values that the layer has; another kind is its error, not an empty array.
-pub(super) fn floats(pixels: Pixels) -> Vec<f32> {
-    if let Pixels::Float(values) = pixels { values } else { Vec::new() }
-}
-
-/// The values of a layer of bytes.
-pub(super) fn bytes(pixels: Pixels) -> Vec<u8> {
-    if let Pixels::Gray(values) | Pixels::Rgb(values) = pixels { values } else { Vec::new() }
-}
-
-/// The bin of each pixel's height above the bare ground below it. The point comes from disparity and cameras: depth is
-/// f B / (d + doffs).
+/// The bin of each pixel's height above the bare ground below it.
 fn heights_above_ground(disparity_px: &[f32], camera: &CameraFile, ground: &HeightMap) -> Vec<u16> {
-    let left = &camera.left;
-    let [cx, cy, cz] = left.position_m;
-    let r = &left.world_from_camera;
-    let cell = |at: f64, first: f64, count: u32| {
-        let i = ((at - first) / ground.cell_m).round();
-        (i >= 0.0 && i < f64::from(count)).then_some(i as usize)
-    };
-    let height_m = |i: usize| {
-        let depth = left.fx_px * camera.baseline_m / (f64::from(disparity_px[i]) + camera.doffs_px);
-        let (u, v) = (i % left.width_px as usize, i / left.width_px as usize);
-        let ray = [(u as f64 - left.cx_px) / left.fx_px, (v as f64 - left.cy_px) / left.fy_px, 1.0];
-        let along = |row: &[f64; 3]| depth * (row[0] * ray[0] + row[1] * ray[1] + row[2] * ray[2]);
-        let [x, y, z] = [cx + along(&r[0]), cy + along(&r[1]), cz + along(&r[2])];
-        let column = cell(x, ground.west_m, ground.width)?;
-        let row = cell(y, ground.south_m, ground.height)?;
-        Some(z - f64::from(ground.heights_m[row * ground.width as usize + column]))
-    };
-    (0..disparity_px.len()).map(|i| height_m(i).filter(|h| h.is_finite()).map_or(NO_BIN, height_bin)).collect()
+    let heights_m = camera.heights_above(ground, disparity_px);
+    heights_m.into_iter().map(|h| if h.is_finite() { height_bin(h) } else { NO_BIN }).collect()
 }
 
 #[cfg(test)]

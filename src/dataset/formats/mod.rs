@@ -181,6 +181,18 @@ impl Plane {
         }
     }
 
+    /// The same array as TIFF, whatever its kind.
+    ///
+    /// # Errors
+    /// Where the array's length does not fit its size.
+    pub fn encode_tiff(&self) -> Result<Vec<u8>, FormatError> {
+        self.check_length()?;
+        match &self.pixels {
+            Pixels::Gray(v) | Pixels::Rgb(v) => tiff::encode(self.width, self.height, self.kind(), v),
+            _ => self.encode(),
+        }
+    }
+
     /// Reads a file of a known kind and size. Nothing is allocated for a file of another size, since files also come
     /// from strangers.
     ///
@@ -213,6 +225,16 @@ impl Plane {
         let named = if kinds.len() > 1 { file_kind(bytes) } else { None };
         let kind = named.filter(|kind| kinds.contains(kind)).unwrap_or(kinds[0]);
         Self::decode(bytes, kind, width, height)
+    }
+
+    /// Its floats; empty where it holds others.
+    pub fn into_floats(self) -> Vec<f32> {
+        if let Pixels::Float(values) = self.pixels { values } else { Vec::new() }
+    }
+
+    /// Its bytes; empty where it holds others.
+    pub fn into_bytes(self) -> Vec<u8> {
+        if let Pixels::Gray(values) | Pixels::Rgb(values) = self.pixels { values } else { Vec::new() }
     }
 
     /// Its picture as red, green, blue of 8 bits, for people and for what works on grey levels: 11-bit counts by their high
