@@ -81,6 +81,18 @@ pub enum ExportError {
     /// No sample is chosen.
     #[error("no sample is of split `{0}`; `satseed info` tells the splits")]
     NoSamples(String),
+    /// The layout's loader wants more pairs.
+    #[error(
+        "the loader of layout {layout} wants at least {least} pairs, one in each of its folders, but there are {pairs}; --tile makes more of them"
+    )]
+    TooFew {
+        /// The layout's name.
+        layout: &'static str,
+        /// How many it wants.
+        least: usize,
+        /// How many there are.
+        pairs: usize,
+    },
     /// The folder holds something.
     #[error("`{}` holds something already; an export wants a folder of its own", .0.display())]
     NotEmpty(PathBuf),
@@ -108,7 +120,8 @@ type File = (String, Vec<u8>);
 /// Where a pair stands among all: layouts number by it.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    /// Of its region's pairs, from 0.
+    /// Of all pairs, from 0, and of its region's.
+    number: usize,
     in_region: usize,
     /// Of its sample's tiles, row and column.
     tile: [u32; 2],
@@ -166,12 +179,13 @@ fn write_all(
     done: &(dyn Fn(&str) + Sync),
 ) -> Result<Exported, ExportError> {
     let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
-    let numbered: Vec<(&SampleRecord, usize)> = records
+    let numbered: Vec<(&SampleRecord, [usize; 2])> = records
         .iter()
-        .map(|r| {
+        .enumerate()
+        .map(|(k, r)| {
             let next = numbers.entry(&r.identity.region).or_default();
             *next += 1;
-            (*r, *next - 1)
+            (*r, [k, *next - 1])
         })
         .collect();
     let exported: Vec<(Exported, Vec<String>)> = numbered
@@ -193,6 +207,10 @@ fn write_all(
     for (one, _) in &exported {
         sum = Exported { pairs: sum.pairs + one.pairs, files: sum.files + one.files, bytes: sum.bytes + one.bytes };
     }
+    let least = options.layout.least_pairs();
+    if sum.pairs < least {
+        return Err(ExportError::TooFew { layout: options.layout.name(), least, pairs: sum.pairs });
+    }
     let listed: Vec<String> = exported.into_iter().flat_map(|(_, listed)| listed).collect();
     for (path, bytes) in options.layout.closing(&listed) {
         write(&root.join(path), &bytes)?;
@@ -206,7 +224,7 @@ fn write_all(
 fn sample(
     dataset: &Dataset<'_>,
     record: &SampleRecord,
-    number: usize,
+    [number, in_region]: [usize; 2],
     options: &Options,
 ) -> Result<Vec<Coded>, ExportError> {
     let id = || record.id().to_owned();
@@ -238,7 +256,8 @@ fn sample(
             if count > 1 {
                 pair.name = format!("{}_t{:02}-{:02}", pair.name, tile[0], tile[1]);
             }
-            options.layout.code(&pair, Place { in_region: number * count + k, tile })
+            let place = Place { number: number * count + k, in_region: in_region * count + k, tile };
+            options.layout.code(&pair, place)
         })
         .collect()
 }

@@ -337,3 +337,135 @@ impl Window {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 12;
+    const HEIGHT: usize = 6;
+
+    /// Two cameras 60 m apart, 1000 m high, over a slope: 30 px of disparity and a twentieth for each column; one pixel missed.
+    fn pair() -> Pair {
+        let camera = |x: f64, cx: f64| CameraRecord {
+            width_px: WIDTH as u32,
+            height_px: HEIGHT as u32,
+            fx_px: 500.0,
+            fy_px: 500.0,
+            cx_px: cx,
+            cy_px: 2.5,
+            position_m: [x, 0.0, 1000.0],
+            world_from_camera: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
+            projection: [[500.0, 0.0, cx, 0.0], [0.0, 500.0, 2.5, 0.0], [0.0, 0.0, 1.0, 0.0]],
+        };
+        let count = WIDTH * HEIGHT;
+        let side = || {
+            let mut disparity_px: Vec<f32> = (0..count).map(|i| 3.0 + (i % WIDTH) as f32 / 20.0).collect();
+            let mut map: Vec<u8> = (0..count).map(|i| if i % WIDTH < 3 { 3 } else { 1 }).collect();
+            (disparity_px[17], map[17]) = (f32::NAN, validity::MISS);
+            map[20] = validity::OCCLUDED;
+            let pixels = Pixels::Gray((0..count as u8).collect());
+            Side { image: Plane { width: WIDTH as u32, height: HEIGHT as u32, pixels }, disparity_px, validity: map }
+        };
+        Pair {
+            name: "a__b".into(),
+            identity: Identity {
+                id: "a/b".into(),
+                region: "a".into(),
+                variant: "a".into(),
+                scene_seed: 1,
+                split: "train".into(),
+                scene_params_hash: "00000000".into(),
+                baseline_m: 60.0,
+                azimuth_deg: 0.0,
+                convergence_deg: 3.0,
+            },
+            camera: CameraFile {
+                left: camera(-30.0, 5.5),
+                right: camera(30.0, 32.5),
+                baseline_m: 60.0,
+                altitude_m: 1000.0,
+                gsd_m: 2.0,
+                azimuth_deg: 0.0,
+                convergence_deg: 3.0,
+                convergence_at_pivot_deg: 3.0,
+                doffs_px: 27.0,
+                disparity_range_px: None,
+            },
+            pivot_height_m: 0.0,
+            left: side(),
+            right: side(),
+            has_right_labels: true,
+            class: Some((0..count as u8).map(|i| i % 15).collect()),
+            above_ground_m: vec![1.0; count],
+        }
+    }
+
+    fn depth_m(pair: &Pair, i: usize) -> f64 {
+        pair.camera.left.fx_px * pair.camera.baseline_m / (f64::from(pair.left.disparity_px[i]) + pair.camera.doffs_px)
+    }
+
+    #[test]
+    fn a_crop_shifts_its_windows_against_each_other_and_keeps_every_depth() {
+        let whole = pair();
+        // At the pivot: 500 * 60 / 1000 - 27 = 3 px.
+        let cut = whole.overlap(Overlap::Pivot).unwrap();
+        assert_eq!((cut.camera.left.width_px, cut.camera.left.cx_px, cut.camera.right.cx_px), (9, 2.5, 32.5));
+        assert_eq!(cut.camera.doffs_px, 30.0);
+        assert_eq!(cut.camera.left.projection[0][2], 2.5);
+        let (Pixels::Gray(left), Pixels::Gray(right)) = (&cut.left.image.pixels, &cut.right.image.pixels) else {
+            panic!()
+        };
+        assert_eq!((left[0], right[0], left[9]), (3, 0, 15));
+        for v in 0..HEIGHT {
+            for u in 0..9 {
+                let (new, old) = (v * 9 + u, v * WIDTH + u + 3);
+                assert!(
+                    whole.left.disparity_px[old].is_nan() || (depth_m(&cut, new) - depth_m(&whole, old)).abs() < 1e-3
+                );
+            }
+        }
+        // Columns 3 to 11 of the left view, disparities 0.15 to 0.55 px: the first match lies before the window's border
+        // only where it is more than half a pixel out.
+        assert_eq!(cut.left.validity[..9], [1; 9]);
+        assert_eq!(cut.left.validity[9 + 2], validity::MISS);
+        assert_eq!(cut.left.validity[9 + 5], validity::OCCLUDED);
+        assert_eq!(cut.class.as_ref().unwrap()[0], 3);
+        let lowest = whole.overlap(Overlap::Lowest).unwrap();
+        assert!(lowest.left.disparity_px.iter().all(|d| d.is_nan() || *d >= 0.0));
+        assert!(whole.overlap(Overlap::HeightM(2000.0)).unwrap_err().to_string().contains("above the cameras"));
+        assert!(whole.overlap(Overlap::HeightM(900.0)).unwrap_err().to_string().contains("nothing in common"));
+    }
+
+    #[test]
+    fn a_window_cuts_off_matches() {
+        let tile = pair().window([4, 4], 2, 6, 3);
+        assert_eq!((tile.camera.left.cy_px, tile.camera.doffs_px), (0.5, 27.0));
+        // Column u has its match at u - 3.2 and less: the first three and a bit are out of the frame.
+        assert_eq!(tile.left.validity[..6], [3, 3, 3, 1, 1, 1]);
+        // In the right view the match lies to the right.
+        assert_eq!(tile.right.validity[..6], [1, 1, 1, 3, 3, 3]);
+    }
+
+    #[test]
+    fn half_size_keeps_the_middle_and_every_ray() {
+        let whole = pair();
+        let half = whole.downsampled(2);
+        assert_eq!((half.camera.left.width_px, half.camera.left.cx_px, half.camera.left.fx_px), (6, 2.5, 250.0));
+        // Four neighbours of one surface: their mean, halved.
+        assert_eq!(half.left.disparity_px[0], (3.0 + 3.05 + 3.0 + 3.05) / 4.0 / 2.0);
+        assert!((depth_m(&half, 0) - 500.0 * 60.0 / (27.0 + 3.025)).abs() < 1e-3);
+        // Beside the pixel that was missed, which is another's second column: the first of the four.
+        assert_eq!((half.left.validity[2], half.left.disparity_px[2]), (1, (3.0 + 4.0 / 20.0) / 2.0));
+        let Pixels::Gray(image) = &half.left.image.pixels else { panic!() };
+        assert_eq!(image[0], 7); // (0 + 1 + 12 + 13) / 4 = 6.5
+        let third = whole.downsampled(3);
+        assert_eq!((third.camera.left.width_px, third.camera.left.cx_px), (4, 1.5));
+        assert_eq!(third.left.disparity_px[0], (3.0 + 1.0 / 20.0) / 3.0);
+        // A ray is the same before and after: pixel (0, 0) of the third is (1, 1) of the whole.
+        let ray = |c: &CameraRecord, u: f64, v: f64| [(u - c.cx_px) / c.fx_px, (v - c.cy_px) / c.fy_px];
+        for (a, b) in ray(&third.camera.left, 0.0, 0.0).into_iter().zip(ray(&whole.camera.left, 1.0, 1.0)) {
+            assert!((a - b).abs() < 1e-15);
+        }
+    }
+}

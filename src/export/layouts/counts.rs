@@ -1,5 +1,6 @@
 //! Layouts that code disparity in the whole numbers of a PNG.
 
+use super::super::Place;
 use super::super::encode::{gray, jpeg, png16, rgb};
 use super::super::pair::{Pair, Side};
 use super::{Files, Unfit, expect_below, expect_no_negative, right_labels};
@@ -37,13 +38,16 @@ pub(super) fn kitti(pair: &Pair) -> Files {
     Ok(files)
 }
 
+/// The folders of `CREStereo`. Its loader wants pairs in each, so they are dealt out in turn.
+pub(super) const CRESTEREO_FOLDERS: [&str; 4] = ["shapenet", "reflective", "tree", "hole"];
+
 /// `CREStereo`: 32nds. Its images are JPEG: they lose a little.
-pub(super) fn crestereo(pair: &Pair) -> Files {
+pub(super) fn crestereo(pair: &Pair, place: Place) -> Files {
     right_labels(pair)?;
     let mut files = Vec::new();
     for (side, view) in [(&pair.left, "left"), (&pair.right, "right")] {
         let values = checked(side.seen_by_both(), 2047.9, "its 16 bits of 32nds end below 2048 px")?;
-        let place = format!("CREStereo/tree/{}_{view}", pair.name);
+        let place = format!("CREStereo/{}/{}_{view}", CRESTEREO_FOLDERS[place.number % 4], pair.name);
         files.push((format!("{place}.jpg"), jpeg(&side.image)?));
         let (width, height) = (side.image.width, side.image.height);
         files.push((format!("{place}.disp.png"), png16(width, height, &numbers(&values, 32.0))?));

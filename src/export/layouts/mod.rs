@@ -104,6 +104,11 @@ impl Layout {
         matches!(self, Self::Sceneflow | Self::Sintel | Self::Crestereo)
     }
 
+    /// How many pairs a loader wants.
+    pub(super) fn least_pairs(self) -> usize {
+        if self == Self::Crestereo { counts::CRESTEREO_FOLDERS.len() } else { 1 }
+    }
+
     /// A pair's files.
     pub(super) fn code(self, pair: &Pair, place: Place) -> Result<Coded, ExportError> {
         let id = pair.identity.id.clone();
@@ -116,7 +121,7 @@ impl Layout {
             Self::Sintel => counts::sintel(pair),
             Self::Kitti => counts::kitti(pair),
             Self::Carla => scenes::carla(pair),
-            Self::Crestereo => counts::crestereo(pair),
+            Self::Crestereo => counts::crestereo(pair, place),
             Self::Us3d => geo::us3d(pair, place),
             Self::Whu => geo::whu(pair, place),
             Self::Pandora => geo::pandora(pair),

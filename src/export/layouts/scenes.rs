@@ -3,6 +3,7 @@
 use super::super::encode::{gray, pfm, rgb};
 use super::super::pair::{Pair, Side};
 use super::{Files, expect_no_negative, right_labels};
+use crate::dataset::formats::FormatError;
 use crate::dataset::validity;
 
 const ABSOLUTE: &str = "its loader takes the absolute value";
@@ -22,13 +23,9 @@ fn amodal(side: &Side) -> Vec<u8> {
     pfm(side.image.width, side.image.height, &infinite(side.disparity_px.clone()))
 }
 
-/// 255 where both cameras see, 128 where one does, 0 where nothing was hit.
-fn mask(side: &Side) -> Result<Vec<u8>, super::FormatError> {
-    let value = |v: &u8| match *v {
-        validity::VALID => 255,
-        validity::MISS => 0,
-        _ => 128,
-    };
+/// 255 where both cameras see, else 0. (The real masks have 128 where one sees; torchvision takes that for valid.)
+fn mask(side: &Side) -> Result<Vec<u8>, FormatError> {
+    let value = |v: &u8| if *v == validity::VALID { 255 } else { 0 };
     gray(side.image.width, side.image.height, side.validity.iter().map(value).collect())
 }
 
