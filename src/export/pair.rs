@@ -98,11 +98,6 @@ impl Pair {
         };
         let camera = |c: &CameraRecord| {
             let (scale, middle) = (f64::from(k), f64::from(k - 1) / 2.0);
-            let mut p = c.projection;
-            for column in 0..4 {
-                p[0][column] = (p[0][column] - middle * p[2][column]) / scale;
-                p[1][column] = (p[1][column] - middle * p[2][column]) / scale;
-            }
             CameraRecord {
                 width_px: of.width,
                 height_px: of.height,
@@ -110,7 +105,7 @@ impl Pair {
                 fy_px: c.fy_px / scale,
                 cx_px: (c.cx_px - middle) / scale,
                 cy_px: (c.cy_px - middle) / scale,
-                projection: p,
+                projection: moved(&c.projection, [middle; 2], scale),
                 ..c.clone()
             }
         };
@@ -188,17 +183,12 @@ impl Pair {
         };
         let camera = |c: &CameraRecord, i: usize| {
             let [du, dv] = [f64::from(from[i]), f64::from(top)];
-            let mut p = c.projection;
-            for column in 0..4 {
-                p[0][column] -= du * p[2][column];
-                p[1][column] -= dv * p[2][column];
-            }
             CameraRecord {
                 width_px: width,
                 height_px: height,
                 cx_px: c.cx_px - du,
                 cy_px: c.cy_px - dv,
-                projection: p,
+                projection: moved(&c.projection, [du, dv], 1.0),
                 ..c.clone()
             }
         };
@@ -233,6 +223,12 @@ impl Side {
         let value = |(d, v): (&f32, &u8)| if *v == validity::VALID { *d } else { f32::NAN };
         self.disparity_px.iter().zip(&self.validity).map(value).collect()
     }
+}
+
+/// A projection to pixels that are counted from another one, and are so many times larger.
+fn moved(p: &[[f64; 4]; 3], by_px: [f64; 2], scale: f64) -> [[f64; 4]; 3] {
+    let row = |i: usize| core::array::from_fn(|k| (p[i][k] - by_px[i] * p[2][k]) / scale);
+    [row(0), row(1), p[2]]
 }
 
 /// Blocks of `k` by `k` pixels of rows of `from`.
@@ -456,7 +452,7 @@ mod tests {
         assert_eq!(half.left.disparity_px[0], (3.0 + 3.05 + 3.0 + 3.05) / 4.0 / 2.0);
         assert!((depth_m(&half, 0) - 500.0 * 60.0 / (27.0 + 3.025)).abs() < 1e-3);
         // Beside the pixel that was missed, which is another's second column: the first of the four.
-        assert_eq!((half.left.validity[2], half.left.disparity_px[2]), (1, (3.0 + 4.0 / 20.0) / 2.0));
+        assert_eq!((half.left.validity[2], half.left.disparity_px[2]), (1, 3.2_f32 / 2.0));
         let Pixels::Gray(image) = &half.left.image.pixels else { panic!() };
         assert_eq!(image[0], 7); // (0 + 1 + 12 + 13) / 4 = 6.5
         let third = whole.downsampled(3);

@@ -117,8 +117,8 @@ impl ShearedPacket {
         let axes = [ray.kx, ray.ky, ray.kz];
         self.axes[lane] = axes.map(|k| k as u8);
         self.are_alike &= self.axes[lane] == self.axes[0];
-        for k in 0..3 {
-            self.origin[k][lane] = ray.origin[axes[k]];
+        for (k, axis) in axes.into_iter().enumerate() {
+            self.origin[k][lane] = ray.origin[axis];
             self.shear[k][lane] = ray.shear[k];
         }
     }

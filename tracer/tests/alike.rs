@@ -46,8 +46,8 @@ fn scene(rng: &mut Rng) -> Scene {
     }
 }
 
-fn bits(hit: &Option<Hit>) -> Option<(u32, u32, [u64; 10])> {
-    let h = (*hit)?;
+fn bits(hit: Option<Hit>) -> Option<(u32, u32, [u64; 10])> {
+    let h = hit?;
     let numbers = [h.t, h.weights[0], h.weights[1], h.weights[2], h.point.x, h.point.y, h.point.z];
     let normal = h.normal.to_array();
     let all = core::array::from_fn(|k| if k < 7 { numbers[k] } else { normal[k - 7] }.to_bits());
@@ -75,15 +75,15 @@ fn every_way_gives_the_same_bits() {
         let onward: Vec<(Origin, DVec3)> = starts.iter().map(|o| (*o, away)).collect();
         let lines: Vec<(Origin, DVec3)> = starts.iter().map(|o| (*o, from)).collect();
         let further: Vec<_> =
-            onward.iter().map(|(o, d)| bits(&tracer.closest_from(o, *d, tracer.reach_m(o.point())))).collect();
+            onward.iter().map(|(o, d)| bits(tracer.closest_from(o, *d, tracer.reach_m(o.point())))).collect();
         let shut: Vec<bool> = lines.iter().map(|(o, p)| tracer.occluded(o, *p)).collect();
         met += starts.len();
         blocked += further.iter().flatten().count();
-        let hits: Vec<_> = hits.iter().map(bits).collect();
+        let hits: Vec<_> = hits.into_iter().map(bits).collect();
         for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
             tracer = tracer.with_instructions(set);
-            assert_eq!(tracer.closest_all(&rays).iter().map(bits).collect::<Vec<_>>(), hits, "{set:?}, {bundle}");
-            let found: Vec<_> = tracer.closest_from_all(&onward).iter().map(bits).collect();
+            assert_eq!(tracer.closest_all(&rays).into_iter().map(bits).collect::<Vec<_>>(), hits, "{set:?}, {bundle}");
+            let found: Vec<_> = tracer.closest_from_all(&onward).into_iter().map(bits).collect();
             assert_eq!(found, further, "{set:?}, {bundle}");
             let any: Vec<bool> = further.iter().map(Option::is_some).collect();
             assert_eq!(tracer.blocked_all(&onward), any, "{set:?}, {bundle}");
