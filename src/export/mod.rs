@@ -152,7 +152,7 @@ pub fn export(
     }
     // Written beside, and given its name when all is there: an export that exists is whole.
     let mut beside = root.clone().into_os_string();
-    beside.push(".unfinished");
+    beside.push(".satseed-unfinished");
     let beside = PathBuf::from(beside);
     if beside.exists() {
         std::fs::remove_dir_all(&beside).map_err(|e| failed(&beside, e))?;

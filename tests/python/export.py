@@ -40,7 +40,7 @@ def export(layout, *options, source=dataset, code=0):
     run = subprocess.run([*command, "--out", str(out), *options], capture_output=True, text=True)
     check(run.returncode == code, f"{layout} {options}: exit {run.returncode}, {run.stderr}")
     if code:
-        check(not out.exists() and not list(work.glob("*.unfinished")), f"{layout}: a refusal leaves something behind")
+        check(not out.exists() and not list(work.glob("*unfinished*")), f"{layout}: a refusal leaves something behind")
         return run.stderr
     return out
 
