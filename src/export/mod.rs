@@ -228,7 +228,7 @@ fn sample(
     options: &Options,
 ) -> Result<Vec<Coded>, ExportError> {
     let id = || record.id().to_owned();
-    let whole = Pair::read(dataset, record)?;
+    let whole = Pair::read(dataset, record, options.layout == Layout::Us3d)?;
     let mut pair = if options.downsample > 1 { whole.downsampled(options.downsample) } else { whole };
     if let Some(overlap) = options.overlap {
         pair = pair.overlap(overlap).map_err(|e| ExportError::Nothing { id: id(), what: e.to_string() })?;

@@ -42,12 +42,13 @@ pub(super) struct Pair {
     pub(super) has_right_labels: bool,
     /// Of the left view, where the recipe asks for it.
     pub(super) class: Option<Vec<u8>>,
-    /// Height of the left view's points over the bare ground, m; NaN where there is none.
+    /// Height of the left view's points over the bare ground, m; NaN where there is none. Empty where nobody asked.
     pub(super) above_ground_m: Vec<f64>,
 }
 
 impl Pair {
-    pub(super) fn read(dataset: &Dataset<'_>, record: &SampleRecord) -> Result<Self, ReadError> {
+    /// Reads it; heights above the ground, which take the scene's ground model, only where they are wanted.
+    pub(super) fn read(dataset: &Dataset<'_>, record: &SampleRecord, with_heights: bool) -> Result<Self, ReadError> {
         let camera = dataset.camera(record)?;
         let plane = |layer, view| dataset.plane(record, &camera, layer, view);
         let floats = |layer, view| Ok::<_, ReadError>(plane(layer, view)?.into_floats());
@@ -64,8 +65,11 @@ impl Pair {
         let (left, right) = (side(View::Left)?, side(View::Right)?);
         let scene: serde_json::Value = serde_json::from_str(&dataset.text(record, "scene")?).unwrap_or_default();
         let class = has(Layer::Class, View::Left).then(|| bytes(Layer::Class, View::Left)).transpose()?;
-        let ground = dataset.height_map(record, "dtm")?;
-        let above_ground_m = camera.heights_above(&ground, &left.disparity_px);
+        let above_ground_m = if with_heights {
+            camera.heights_above(&dataset.height_map(record, "dtm")?, &left.disparity_px)
+        } else {
+            Vec::new()
+        };
         Ok(Self {
             name: record.id().replace('/', "__"),
             identity: record.identity.clone(),

@@ -74,59 +74,51 @@ pub(super) fn sceneflow(pair: &Pair) -> Files {
 
 /// ETH3D's two-view training set.
 pub(super) fn eth3d(pair: &Pair) -> Files {
-    expect_no_negative(&pair.left.disparity_px, ABSOLUTE)?;
-    let images = format!("ETH3D/two_view_training/{}", pair.name);
-    let truth = format!("ETH3D/two_view_training_gt/{}", pair.name);
-    Ok(vec![
-        (format!("{images}/im0.png"), rgb(&pair.left.image)?),
-        (format!("{images}/im1.png"), rgb(&pair.right.image)?),
-        (format!("{images}/calib.txt"), calibration(pair)),
-        (format!("{truth}/disp0GT.pfm"), amodal(&pair.left)),
-        (format!("{truth}/mask0nocc.png"), mask(&pair.left)?),
-    ])
+    let folder = |what: &str| format!("ETH3D/two_view_training{what}/{}", pair.name);
+    with_mask(pair, &folder(""), &folder("_gt"))
 }
 
 /// `MiddEval3`, full size.
 pub(super) fn middlebury(pair: &Pair) -> Files {
-    expect_no_negative(&pair.left.disparity_px, ABSOLUTE)?;
     let folder = format!("MiddEval3/trainingF/{}", pair.name);
-    Ok(vec![
-        (format!("{folder}/im0.png"), rgb(&pair.left.image)?),
-        (format!("{folder}/im1.png"), rgb(&pair.right.image)?),
-        (format!("{folder}/calib.txt"), calibration(pair)),
-        (format!("{folder}/disp0GT.pfm"), amodal(&pair.left)),
-        (format!("{folder}/mask0nocc.png"), mask(&pair.left)?),
-    ])
+    with_mask(pair, &folder, &folder)
 }
 
 /// Torchvision's `Middlebury2014Stereo`. It only opens a folder in which a scene's name begins as one of the real ones do.
 pub(super) fn middlebury_2014(pair: &Pair) -> Files {
-    right_labels(pair)?;
-    let folder = format!("Middlebury2014/train/Adirondack_{}-perfect", pair.name);
-    for side in [&pair.left, &pair.right] {
-        expect_no_negative(&side.seen_by_both(), ABSOLUTE)?;
-    }
-    Ok(vec![
-        (format!("{folder}/im0.png"), rgb(&pair.left.image)?),
-        (format!("{folder}/im1.png"), rgb(&pair.right.image)?),
-        (format!("{folder}/calib.txt"), calibration(pair)),
-        (format!("{folder}/disp0.pfm"), masked(&pair.left)),
-        (format!("{folder}/disp1.pfm"), masked(&pair.right)),
-    ])
+    both_views(pair, &format!("Middlebury2014/train/Adirondack_{}-perfect", pair.name), "")
 }
 
 /// The Carla data of `CREStereo`; its loader knows no mask.
 pub(super) fn carla(pair: &Pair) -> Files {
-    right_labels(pair)?;
-    let folder = format!("carla-highres/trainingF/{}", pair.name);
-    for side in [&pair.left, &pair.right] {
-        expect_no_negative(&side.seen_by_both(), ABSOLUTE)?;
-    }
+    both_views(pair, &format!("carla-highres/trainingF/{}", pair.name), "GT")
+}
+
+/// Both pictures and their calibration.
+fn pictures(pair: &Pair, folder: &str) -> Files {
     Ok(vec![
         (format!("{folder}/im0.png"), rgb(&pair.left.image)?),
         (format!("{folder}/im1.png"), rgb(&pair.right.image)?),
         (format!("{folder}/calib.txt"), calibration(pair)),
-        (format!("{folder}/disp0GT.pfm"), masked(&pair.left)),
-        (format!("{folder}/disp1GT.pfm"), masked(&pair.right)),
     ])
+}
+
+/// The left view's amodal truth, and a mask beside it.
+fn with_mask(pair: &Pair, folder: &str, truth: &str) -> Files {
+    expect_no_negative(&pair.left.disparity_px, ABSOLUTE)?;
+    let mut files = pictures(pair, folder)?;
+    files.push((format!("{truth}/disp0GT.pfm"), amodal(&pair.left)));
+    files.push((format!("{truth}/mask0nocc.png"), mask(&pair.left)?));
+    Ok(files)
+}
+
+/// Truth of both views where both cameras see.
+fn both_views(pair: &Pair, folder: &str, ending: &str) -> Files {
+    right_labels(pair)?;
+    let mut files = pictures(pair, folder)?;
+    for (k, side) in [&pair.left, &pair.right].into_iter().enumerate() {
+        expect_no_negative(&side.seen_by_both(), ABSOLUTE)?;
+        files.push((format!("{folder}/disp{k}{ending}.pfm"), masked(side)));
+    }
+    Ok(files)
 }
