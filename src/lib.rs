@@ -12,6 +12,7 @@
 //!   -> sample     two views and cameras of one pair
 //!   -> dataset    files, manifest, verify, resume
 //!   -> evaluate   predictions against labels: scores, break-downs, likely mistakes
+//!   -> gallery    one page to look at it
 //!   -> export     the layouts that stereo trainers load
 //! ```
 
@@ -19,6 +20,7 @@ pub mod camera;
 pub mod dataset;
 pub mod evaluate;
 pub mod export;
+pub mod gallery;
 pub mod labels;
 pub mod pipeline;
 pub mod plan;

@@ -18,7 +18,7 @@ const SCENE: &str = "satseed_scene";
 const TRACER: &str = "satseed_tracer";
 const GENERATORS: &str = "satseed_generators";
 const ALL: &[&str] =
-    &["camera", "cli", "dataset", "evaluate", "export", "labels", "pipeline", "plan", "recipe", "render"];
+    &["camera", "cli", "dataset", "evaluate", "export", "gallery", "labels", "pipeline", "plan", "recipe", "render"];
 
 /// The table of docs/architecture.md. The scene is the vocabulary that everyone speaks.
 const ROOMS: &[Room] = &[
@@ -32,10 +32,11 @@ const ROOMS: &[Room] = &[
     Room { name: "plan", rooms: &["recipe"], crates: &[SCENE] },
     Room { name: "dataset", rooms: &["plan"], crates: &[SCENE] },
     Room { name: "evaluate", rooms: &["dataset"], crates: &[] },
+    Room { name: "gallery", rooms: &["dataset"], crates: &[] },
     Room { name: "export", rooms: &["dataset"], crates: &[] },
     Room {
         name: "pipeline",
-        rooms: &["camera", "dataset", "labels", "plan", "recipe", "render"],
+        rooms: &["camera", "dataset", "gallery", "labels", "plan", "recipe", "render"],
         crates: &[SCENE, TRACER, GENERATORS],
     },
     Room { name: "cli", rooms: ALL, crates: &["satseed", SCENE, TRACER, GENERATORS] },
@@ -54,8 +55,9 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("tiff", &["dataset", "evaluate"]),
     ("tiff_writer", &["dataset"]),
     ("tiff_core", &["dataset"]),
-    ("base64", &["evaluate"]),
-    ("image", &["export"]),
+    ("base64", &["evaluate", "gallery"]),
+    ("miniz_oxide", &["gallery"]),
+    ("image", &["export", "gallery"]),
     ("png", &["dataset", "evaluate", "export"]),
     ("tar", &["export"]),
     ("half", &["evaluate"]),

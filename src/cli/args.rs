@@ -42,6 +42,8 @@ pub(crate) enum Command {
     Evaluate(EvaluateArgs),
     /// Write a dataset in the layout that another loader reads
     Export(ExportArgs),
+    /// Make the page that shows a dataset again, or elsewhere
+    Gallery(GalleryArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
 }
@@ -273,6 +275,15 @@ pub(crate) struct ExportArgs {
     /// Only samples of this split, such as test
     #[arg(long, value_name = "S")]
     pub(crate) split: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GalleryArgs {
+    /// Folder of the dataset
+    pub(crate) dir: PathBuf,
+    /// The page; gallery.html in the dataset's folder by default, where it can also show whole images
+    #[arg(short, long = "output", value_name = "FILE.html")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 fn layouts() -> impl TypedValueParser<Value = Layout> {

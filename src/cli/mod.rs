@@ -7,6 +7,7 @@ mod completions;
 mod evaluate;
 mod explain;
 mod export;
+mod gallery;
 mod generate;
 mod info;
 mod logging;
@@ -63,6 +64,7 @@ fn run(command: &Command) -> anyhow::Result<Exit> {
         Command::Explain(args) => explain::run(args),
         Command::Evaluate(args) => evaluate::run(args),
         Command::Export(args) => export::run(args),
+        Command::Gallery(args) => gallery::run(args),
         Command::Completions(args) => completions::run(args),
     }
 }

@@ -8,6 +8,8 @@ pub const RECIPE: &str = "recipe.toml";
 pub const MANIFEST: &str = "manifest.jsonl";
 /// The manifest's hash.
 pub const ROOT_HASH: &str = "manifest.blake3";
+/// The dataset to look at, a page that follows from the rest: no record names it, and nobody needs it.
+pub const GALLERY: &str = "gallery.html";
 /// A scene's lines of the manifest.
 pub const PART: &str = "part.jsonl";
 /// A sample's record.

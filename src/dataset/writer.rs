@@ -7,7 +7,7 @@
 
 use super::formats::{FormatError, HeightMap, PixelKind, Plane, encode_height_map};
 use super::layer::{Layer, View};
-use super::manifest::{MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE};
+use super::manifest::{GALLERY, MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE};
 use super::ownership::refusal;
 use super::record::{FileRecord, SampleRecord};
 use super::sample::{ContentError, Sample};
@@ -149,7 +149,11 @@ impl<'a> Writer<'a> {
             return Err(WriteError::Foreign { path: path.clone() });
         }
         let planned = contents.paths();
-        if let Some(path) = entries.iter().find(|(p, bytes)| !planned.contains(*p) || bytes.is_none()).map(|(p, _)| p) {
+        if let Some(path) = entries
+            .iter()
+            .find(|(p, bytes)| !(planned.contains(*p) || *p == GALLERY) || bytes.is_none())
+            .map(|(p, _)| p)
+        {
             return Err(WriteError::Foreign { path: path.clone() });
         }
         if !entries.contains_key(RECIPE) {

@@ -19,6 +19,7 @@ pub use scene::{BuiltScene, SceneRecord};
 pub use schedule::generate;
 
 use crate::dataset::{ManifestHash, ReadError, WriteError};
+use crate::gallery::GalleryError;
 use crate::plan::{Estimate, Plan, Shard};
 use crate::recipe::Recipe;
 use crate::render;
@@ -91,6 +92,9 @@ pub enum PipelineError {
     /// The dataset could not be read.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// The gallery could not be made.
+    #[error(transparent)]
+    Gallery(#[from] GalleryError),
     /// A generator made something illegal.
     #[error("scene {name} is not legal: {reason}; this is a bug in its generator")]
     Scene {

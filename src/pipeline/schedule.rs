@@ -12,6 +12,7 @@ use super::profile::{Meter, Stage};
 use super::scene::{self, BuiltScene};
 use super::{Event, Options, Outcome, PipelineError, SCENES_IN_FLIGHT, contents, pair, thread_pool};
 use crate::dataset::{Sample, Store, WriteError, Writer};
+use crate::gallery::ensure_gallery;
 use crate::plan::{PairSpec, Plan, SceneSpec, Share};
 use crate::recipe::Recipe;
 use rayon::ThreadPool;
@@ -47,7 +48,9 @@ pub fn generate(
         return Ok(Outcome::Stopped);
     }
     let finished = run.lanes.files.install(|| run.meter.stage(Stage::Finish, || run.writer.finish()))?;
-    Ok(finished.map_or(Outcome::ShardDone, Outcome::Complete))
+    let Some(root_hash) = finished else { return Ok(Outcome::ShardDone) };
+    run.lanes.files.install(|| run.meter.stage(Stage::Finish, || ensure_gallery(store)))?;
+    Ok(Outcome::Complete(root_hash))
 }
 
 /// The pools of the lanes.

@@ -10,8 +10,9 @@ mod report;
 
 pub use report::{Fault, Finding, Report};
 
-use super::manifest::{MANIFEST, PART, RECIPE, ROOT_HASH, SAMPLE};
+use super::manifest::{GALLERY, MANIFEST, PART, RECIPE, ROOT_HASH, SAMPLE};
 use super::record::{FileRecord, SampleRecord};
+use super::seal::Seal;
 use super::store::{Store, StoreError};
 use files::Checker;
 use lines::{parts_of, trusted_lines};
@@ -92,6 +93,11 @@ pub fn verify(store: &dyn Store, planned: Option<&[String]>) -> Result<Report, S
         .collect();
     findings.extend(per_sample?.into_iter().flatten());
 
+    if entries.get(GALLERY).is_some_and(Option::is_some) {
+        expected.insert(GALLERY.to_owned());
+        findings.extend(gallery(&store.get(GALLERY)?, report.root_hash.as_deref()));
+    }
+
     for (path, bytes) in entries.iter().filter(|(path, _)| !expected.contains(*path)) {
         let unfinished = report.samples_to_make > 0 && planned.is_some_and(|ids| is_part_of_a_plan(path, ids));
         if bytes.is_some() && unfinished {
@@ -103,6 +109,18 @@ pub fn verify(store: &dyn Store, planned: Option<&[String]>) -> Result<Report, S
     }
     report.add(findings);
     Ok(report)
+}
+
+/// What is wrong with the gallery, if anything. It may be missing.
+fn gallery(page: &[u8], root_hash: Option<&str>) -> Option<Finding> {
+    let again = "remove it, and `satseed gallery` makes it again";
+    match Seal::of(page) {
+        None => Some(Finding::new(GALLERY, Fault::Changed, format!("it is not what its last line says: {again}"))),
+        Some(seal) if root_hash.is_some_and(|hash| hash != seal.root_hash) => {
+            Some(Finding::new(GALLERY, Fault::Contradiction, format!("it shows another dataset: {again}")))
+        }
+        Some(_) => None,
+    }
 }
 
 /// A file of a sample or scene that the plan has but no record names yet.
