@@ -12,6 +12,7 @@
 //!   -> sample     two views and cameras of one pair
 //!   -> dataset    files, manifest, verify, resume
 //!   -> evaluate   predictions against labels: scores, break-downs, likely mistakes
+//!   -> sweep      one recipe with one thing changed, and its curves
 //!   -> gallery    one page to look at it
 //!   -> export     the layouts that stereo trainers load
 //! ```
@@ -26,3 +27,4 @@ pub mod pipeline;
 pub mod plan;
 pub mod recipe;
 pub mod render;
+pub mod sweep;

@@ -17,8 +17,10 @@ struct Room {
 const SCENE: &str = "satseed_scene";
 const TRACER: &str = "satseed_tracer";
 const GENERATORS: &str = "satseed_generators";
-const ALL: &[&str] =
-    &["camera", "cli", "dataset", "evaluate", "export", "gallery", "labels", "pipeline", "plan", "recipe", "render"];
+const ALL: &[&str] = &[
+    "camera", "cli", "dataset", "evaluate", "export", "gallery", "labels", "pipeline", "plan", "recipe", "render",
+    "sweep",
+];
 
 /// The table of docs/architecture.md. The scene is the vocabulary that everyone speaks.
 const ROOMS: &[Room] = &[
@@ -32,6 +34,7 @@ const ROOMS: &[Room] = &[
     Room { name: "plan", rooms: &["recipe"], crates: &[SCENE] },
     Room { name: "dataset", rooms: &["plan"], crates: &[SCENE] },
     Room { name: "evaluate", rooms: &["dataset"], crates: &[] },
+    Room { name: "sweep", rooms: &["dataset", "evaluate", "plan", "recipe"], crates: &[] },
     Room { name: "gallery", rooms: &["dataset"], crates: &[] },
     Room { name: "export", rooms: &["dataset"], crates: &[] },
     Room {

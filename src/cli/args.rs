@@ -8,6 +8,7 @@ use satseed::evaluate::{self, Limit};
 use satseed::export::{Layout, Overlap};
 use satseed::plan::Shard;
 use satseed::recipe::{Changes, Recipe, RecipeError};
+use satseed::sweep::Vary;
 use std::path::PathBuf;
 
 /// Synthetic satellite-stereo datasets from seeds, with exact labels.
@@ -40,6 +41,8 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// Hold predicted disparities against a dataset's labels
     Evaluate(EvaluateArgs),
+    /// Make one dataset for each value of a parameter, with the same scenes and pairs in all
+    Sweep(SweepArgs),
     /// Write a dataset in the layout that another loader reads
     Export(ExportArgs),
     /// Make the page that shows a dataset again, or elsewhere
@@ -88,8 +91,12 @@ pub(crate) struct RecipeArgs {
 impl RecipeArgs {
     /// The recipe that the arguments name.
     pub(crate) fn load(&self) -> Result<Recipe, RecipeError> {
-        let changes = Changes { set: self.set.clone(), seed: self.seed, seed_list: self.seeds.clone() };
-        Recipe::load(&self.recipe, &changes)
+        Recipe::load(&self.recipe, &self.changes())
+    }
+
+    /// What they change of it.
+    pub(crate) fn changes(&self) -> Changes {
+        Changes { set: self.set.clone(), seed: self.seed, seed_list: self.seeds.clone() }
     }
 }
 
@@ -227,9 +234,10 @@ pub(crate) struct ExplainArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// Folder of the dataset
+    /// Folder of the dataset, or of a sweep
     pub(crate) dir: PathBuf,
-    /// Folder of the predictions: `<scene>/<sample>.pfm`, .tif, .npy or .png (16 bits), or with `__` for the slash
+    /// Folder of the predictions: `<scene>/<sample>.pfm`, .tif, .npy or .png (16 bits), or with `__` for the slash; of a sweep,
+    /// a folder for each cell
     #[arg(long, value_name = "DIR")]
     pub(crate) predictions: PathBuf,
     /// DIR is another dataset, in the layout in which it is given out
@@ -275,6 +283,24 @@ pub(crate) struct ExportArgs {
     /// Only samples of this split, such as test
     #[arg(long, value_name = "S")]
     pub(crate) split: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepArgs {
+    #[command(flatten)]
+    pub(crate) recipe: RecipeArgs,
+    /// Folder of the sweep: one dataset a cell, and sweep.json
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// What takes which values: KEY=FROM:TO:COUNT or KEY=VALUE,VALUE; several make a grid
+    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    pub(crate) vary: Vec<Vary>,
+    /// Threads that trace; as many as there are cores by default. Changes no byte
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) jobs: Option<u32>,
+    /// Print the cells with their pairs, bytes and time, and write nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
 }
 
 #[derive(Debug, Args)]

@@ -3,10 +3,12 @@
 use super::Exit;
 use super::args::EvaluateArgs;
 use super::output::{sample_bar, write_stdout};
+use super::sweep;
 use anyhow::Context as _;
 use satseed::dataset::{Dataset, DiskStore};
 use satseed::evaluate::{Breakdown, Evaluation, Foreign, Options, Scores, Source, evaluate, html_report};
 use satseed::pipeline::thread_pool;
+use satseed::sweep::INDEX;
 use std::io::{self, Write};
 
 /// Lines of missing, unusable and strange files that the terminal shows; the JSON file has all.
@@ -17,6 +19,7 @@ const ORDER: [&str; 8] =
 
 pub(crate) fn run(args: &EvaluateArgs) -> anyhow::Result<Exit> {
     match args.truth_layout {
+        None if args.dir.join(INDEX).is_file() => sweep::evaluate(args),
         None => {
             let store = DiskStore::open(&args.dir)?;
             run_on(args, Source::Dataset(&Dataset::open(&store)?))
@@ -187,10 +190,10 @@ fn write_texture_by_region(out: &mut dyn Write, e: &Evaluation) -> io::Result<()
     Ok(())
 }
 
-fn px(value: Option<f64>) -> String {
+pub(super) fn px(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |v| format!("{v:.3}"))
 }
 
-fn percent(share: Option<f64>) -> String {
+pub(super) fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| "-".to_owned(), |s| format!("{:.2} %", s * 100.0))
 }

@@ -78,12 +78,12 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
     }
 }
 
-fn default_jobs() -> usize {
+pub(super) fn default_jobs() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// A flag that SIGTERM and SIGINT set. A second signal ends the process at once: nothing is lost by that either.
-fn stop_on_signals() -> io::Result<Arc<AtomicBool>> {
+pub(super) fn stop_on_signals() -> io::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGTERM, SIGINT] {
         flag::register_conditional_shutdown(signal, 75, Arc::clone(&stop))?;
@@ -93,7 +93,7 @@ fn stop_on_signals() -> io::Result<Arc<AtomicBool>> {
 }
 
 /// Seconds for people: `2 h 05 min`.
-fn duration_text(seconds: f64) -> String {
+pub(super) fn duration_text(seconds: f64) -> String {
     let minutes = (seconds / 60.0).round() as u64;
     match minutes {
         0..2 => format!("{seconds:.0} s"),

@@ -17,6 +17,7 @@ mod presets;
 mod preview;
 mod profile;
 mod progress;
+mod sweep;
 mod verify;
 
 use args::{Cli, Command};
@@ -63,6 +64,7 @@ fn run(command: &Command) -> anyhow::Result<Exit> {
         Command::Info(args) => info::run(args),
         Command::Explain(args) => explain::run(args),
         Command::Evaluate(args) => evaluate::run(args),
+        Command::Sweep(args) => sweep::run(args),
         Command::Export(args) => export::run(args),
         Command::Gallery(args) => gallery::run(args),
         Command::Completions(args) => completions::run(args),

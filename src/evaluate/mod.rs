@@ -20,6 +20,7 @@ mod truth;
 pub use breakdown::{Breakdown, Row};
 pub use foreign::{Foreign, TruthLayout};
 pub use html::html_report;
+pub(crate) use html::page;
 pub use mistakes::{Mistake, MistakeKind};
 pub use report::{BoundaryScores, Evaluation, Group, Limit, RegionGroup, SampleScores, Unusable};
 pub use score::{ByVisibility, Scores};

@@ -1,6 +1,6 @@
 //! Train, val and test.
 
-use super::SceneSpec;
+use super::{PairSpec, SceneSpec};
 use crate::recipe::{Recipe, SplitRule};
 use satseed_scene::SeedPath;
 use std::collections::BTreeMap;
@@ -71,13 +71,23 @@ fn apportion(n: u64, weights: [u64; 3]) -> [u64; 3] {
     parts
 }
 
-/// Exact counts, drawn pair by pair: the order is that of hashes keyed by the pairs' own ids.
+/// What a pivot's split is drawn by: its region and seed and no other parameter, so that in an ablation every cell has
+/// the same pivots in the same splits, and none is trained on that another is tested with.
+fn pivot(path: &SeedPath, scene: &SceneSpec) -> SeedPath {
+    path.child(scene.region.name()).index(scene.seed)
+}
+
+/// Exact counts, drawn pair by pair: the order is that of hashes keyed by the pairs' pivots and names.
 fn published(scenes: &mut [SceneSpec], path: &SeedPath) {
-    let mut pairs: Vec<_> = scenes.iter_mut().flat_map(|scene| &mut scene.pairs).collect();
-    pairs.sort_by_cached_key(|pair| (path.child(&pair.id).hash_u64(), pair.id.clone()));
+    let key =
+        |scene: &SceneSpec, pair: &PairSpec| (pivot(path, scene).child(pair.folder()).hash_u64(), pair.id.clone());
+    let keyed = |scene: &SceneSpec| scene.pairs.iter().map(|pair| key(scene, pair)).collect::<Vec<_>>();
+    let keys: Vec<_> = scenes.iter().flat_map(keyed).collect();
+    let mut pairs: Vec<_> = keys.into_iter().zip(scenes.iter_mut().flat_map(|scene| &mut scene.pairs)).collect();
+    pairs.sort_by(|(a, _), (b, _)| a.cmp(b));
     let counts = apportion(pairs.len() as u64, PUBLISHED);
     let splits = Split::ALL.into_iter().zip(counts).flat_map(|(split, n)| std::iter::repeat_n(split, n as usize));
-    for (pair, split) in pairs.into_iter().zip(splits) {
+    for ((_, pair), split) in pairs.into_iter().zip(splits) {
         pair.split = split;
     }
 }
@@ -99,7 +109,7 @@ fn by_pivot(scenes: &mut [SceneSpec], path: &SeedPath) -> Vec<String> {
     });
     let mut alone = Vec::new();
     for (name, mut pivots) in regions {
-        pivots.sort_by_cached_key(|scene| (path.child(&scene.name).hash_u64(), scene.name.clone()));
+        pivots.sort_by_cached_key(|scene| (pivot(path, scene).hash_u64(), scene.name.clone()));
         let parts = apportion(pivots.len() as u64, left);
         let splits = Split::ALL.into_iter().zip(parts).flat_map(|(split, n)| std::iter::repeat_n(split, n as usize));
         let single = pivots.len() == 1;

@@ -23,7 +23,7 @@ pub struct Stage {
 /// where it changes an image, `labels` where it changes a label or a surface model.
 pub const STAGES: [Stage; 4] = [
     // Which pairs, where their cameras stand, which split: `src/plan`, `src/camera`.
-    Stage { name: "plan", version: 1 },
+    Stage { name: "plan", version: 2 },
     // Light, sampling, sensor: `src/render`.
     Stage { name: "render", version: 3 },
     // Label maps and surface models: `src/labels`.

@@ -94,7 +94,8 @@ fn a_full_disk_says_so_and_keeps_what_stands() {
         // What is recorded verifies; the only thing wrong is that what is derived from records is not there yet.
         if out.join("recipe.toml").exists() {
             let (code, report) = verify(&out, &[]);
-            assert_eq!(code, 1);
+            // Where only the gallery found no room, nothing is wrong.
+            assert_eq!(code, i32::from(!out.join("manifest.blake3").exists()));
             for finding in report["findings"].as_array().unwrap() {
                 let path = finding["path"].as_str().unwrap();
                 let derived = path.starts_with("manifest.") || path.ends_with("/part.jsonl");

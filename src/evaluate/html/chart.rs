@@ -1,6 +1,6 @@
 //! Line plots as SVG.
 
-use super::{escape, put};
+use super::page::{escape, put};
 
 /// Colours that people with any colour vision tell apart (Okabe and Ito, 2008); the first is the page's own ink.
 const COLOURS: [&str; 8] = ["var(--ink)", "#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#b3a100"];
@@ -12,13 +12,13 @@ const TOP: f64 = 22.0;
 const BOTTOM: f64 = 74.0;
 
 /// One line of a plot: a value for each name, where there is one.
-pub(super) struct Series {
-    pub(super) name: String,
-    pub(super) values: Vec<Option<f64>>,
+pub(crate) struct Series {
+    pub(crate) name: String,
+    pub(crate) values: Vec<Option<f64>>,
 }
 
 /// Draws the values over their names, from zero up. `joined` draws lines through them: where the names have an order.
-pub(super) fn draw(page: &mut String, title: &str, names: &[String], series: &[Series], joined: bool) {
+pub(crate) fn draw(page: &mut String, title: &str, names: &[String], series: &[Series], joined: bool) {
     let most = series.iter().flat_map(|s| s.values.iter().flatten()).fold(0.0_f64, |a, b| a.max(*b));
     let step = step(most);
     let top = step * (most / step).ceil().max(1.0);
@@ -84,7 +84,7 @@ pub(super) fn draw(page: &mut String, title: &str, names: &[String], series: &[S
 }
 
 /// Names the lines.
-pub(super) fn key(page: &mut String, series: &[Series]) {
+pub(crate) fn key(page: &mut String, series: &[Series]) {
     page.push_str("<p class=\"key\">");
     for (s, colour) in series.iter().zip(COLOURS.iter().cycle()) {
         put(page, format_args!("<span><i style=\"background:{colour}\"></i>{}</span>", escape(&s.name)));

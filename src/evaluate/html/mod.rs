@@ -2,6 +2,7 @@
 //! no script.
 
 mod chart;
+pub(crate) mod page;
 mod pictures;
 
 use super::breakdown::Breakdown;
@@ -10,7 +11,7 @@ use super::score::Scores;
 use super::source::Source;
 use super::{EvaluateError, Options};
 use chart::Series;
-use std::fmt::Write as _;
+use page::{escape, put};
 use std::path::Path;
 
 /// Samples whose pictures are shown.
@@ -27,25 +28,6 @@ const ORDER: [(&str, &str); 8] = [
     ("baseline", "Baseline"),
 ];
 
-const STYLE: &str = "
-:root{color-scheme:light dark;--ink:#1b1f24;--soft:#5c6773;--line:#d5dae0;--paper:#fff;--mark:#f3f5f7}
-@media(prefers-color-scheme:dark){:root{--ink:#e6e9ec;--soft:#9aa4ae;--line:#3a424b;--paper:#15181c;--mark:#1f242a}}
-body{font:15px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:72rem;margin:0 auto;padding:1rem}
-h1{font-size:1.5rem}h2{font-size:1.15rem;margin:2.2rem 0 .4rem}p{margin:.4rem 0;max-width:46rem;overflow-wrap:anywhere}
-.soft{color:var(--soft)}.wide{overflow-x:auto}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}
-th,td{padding:.25rem .7rem;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
-th:first-child,td:first-child{text-align:left}th{color:var(--soft);font-weight:500}
-.say{background:var(--mark);border-left:4px solid #d55e00;padding:.5rem .8rem;margin:.5rem 0}
-.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1rem}
-.four{display:grid;grid-template-columns:repeat(auto-fit,minmax(14rem,1fr));gap:.6rem}
-figure{margin:0}figcaption{color:var(--soft);font-size:.85rem}
-figure img{width:100%;image-rendering:pixelated;display:block;background:var(--mark)}
-svg{width:100%;height:auto;display:block;overflow:visible}svg text{fill:var(--soft);font:11px system-ui,sans-serif}
-.key{display:flex;flex-wrap:wrap;gap:.2rem 1rem;font-size:.85rem}.key i{display:inline-block;width:.9em;height:.9em;margin-right:.35em;vertical-align:-.1em}
-details{margin:.4rem 0}summary{cursor:pointer;color:var(--soft)}
-";
-
 /// The report of an evaluation. The worst samples are read again, one at a time.
 ///
 /// # Errors
@@ -57,10 +39,7 @@ pub fn html_report(
     evaluation: &Evaluation,
 ) -> Result<String, EvaluateError> {
     let e = evaluation;
-    let mut page = String::with_capacity(1 << 20);
-    page.push_str("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">");
-    page.push_str("<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">");
-    put(&mut page, format_args!("<title>satseed evaluation</title><style>{STYLE}</style></head><body>\n"));
+    let mut page = page::begin("satseed evaluation");
     head(&mut page, e);
     scores(&mut page, e);
     for (by, title) in ORDER {
@@ -69,29 +48,7 @@ pub fn html_report(
         }
     }
     worst(&mut page, source, predictions, options, e)?;
-    page.push_str("</body></html>\n");
-    Ok(page)
-}
-
-/// Appends to a text, which cannot fail.
-fn put(page: &mut String, text: std::fmt::Arguments<'_>) {
-    page.write_fmt(text).expect("a String takes any text");
-}
-
-/// A stranger's text as HTML.
-fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c => out.push(c),
-        }
-    }
-    out
+    Ok(page::end(page))
 }
 
 fn head(page: &mut String, e: &Evaluation) {

@@ -4,7 +4,7 @@ use super::super::prediction::{self, Size};
 use super::super::report::SampleScores;
 use super::super::source::{Item, Maps};
 use super::super::{EvaluateError, Options};
-use super::put;
+use super::page::put;
 use crate::dataset::formats::{Pixels, Plane};
 use crate::dataset::validity;
 use base64::Engine as _;
