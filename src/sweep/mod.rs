@@ -108,11 +108,10 @@ impl Sweep {
                     format!("cell {name} would differ from the first by more than {keys}; vary each key by itself");
                 return Err(SweepError::Asked(message));
             }
-            if let Some(other) = indexed.iter().find(|cell| cell.name == name) {
-                return Err(SweepError::Asked(format!(
-                    "two cells would be called `{}`: their values are alike",
-                    other.name
-                )));
+            if let Some(other) = indexed.iter().find(|cell| cell.name == name || cell.plan == plan.hash) {
+                let message =
+                    format!("cells {} and {name} would be the same dataset: their values are alike", other.name);
+                return Err(SweepError::Asked(message));
             }
             let values = values.into_iter().map(|(k, v)| (k.to_owned(), v.to_owned())).collect();
             indexed.push(IndexedCell { name, values, plan: plan.hash.clone() });
@@ -256,7 +255,7 @@ mod tests {
         for (vary, told) in [
             (&["seed=1,2"][..], "cannot be varied"),
             (&["camera.gsd_m=0.3,0.5", "camera.gsd_m=0.6"], "varied twice"),
-            (&["camera.gsd_m=0.3,0.30"], "two cells"),
+            (&["camera.gsd_m=0.3,0.30"], "the same dataset"),
             (&["camera.gsd_m=0.3,-1"], "cell gsd_m--1: "),
             (&["camera.gsdm=0.3"], "gsdm"),
             (&["camera.gsd_m=0.2:0.9:1001"], "more than the 1000"),
