@@ -13,11 +13,13 @@
 //!   -> dataset    files, manifest, verify, resume
 //!   -> evaluate   predictions against labels: scores, break-downs, likely mistakes
 //!   -> sweep      one recipe with one thing changed, and its curves
+//!   -> card       what a dataset tells of itself
 //!   -> gallery    one page to look at it
 //!   -> export     the layouts that stereo trainers load
 //! ```
 
 pub mod camera;
+pub mod card;
 pub mod dataset;
 pub mod evaluate;
 pub mod export;

@@ -18,8 +18,8 @@ const SCENE: &str = "satseed_scene";
 const TRACER: &str = "satseed_tracer";
 const GENERATORS: &str = "satseed_generators";
 const ALL: &[&str] = &[
-    "camera", "cli", "dataset", "evaluate", "export", "gallery", "labels", "pipeline", "plan", "recipe", "render",
-    "sweep",
+    "camera", "card", "cli", "dataset", "evaluate", "export", "gallery", "labels", "pipeline", "plan", "recipe",
+    "render", "sweep",
 ];
 
 /// The table of docs/architecture.md. The scene is the vocabulary that everyone speaks.
@@ -35,11 +35,12 @@ const ROOMS: &[Room] = &[
     Room { name: "dataset", rooms: &["plan"], crates: &[SCENE] },
     Room { name: "evaluate", rooms: &["dataset"], crates: &[] },
     Room { name: "sweep", rooms: &["dataset", "evaluate", "plan", "recipe"], crates: &[] },
+    Room { name: "card", rooms: &["dataset"], crates: &[] },
     Room { name: "gallery", rooms: &["dataset"], crates: &[] },
     Room { name: "export", rooms: &["dataset"], crates: &[] },
     Room {
         name: "pipeline",
-        rooms: &["camera", "dataset", "gallery", "labels", "plan", "recipe", "render"],
+        rooms: &["camera", "card", "dataset", "gallery", "labels", "plan", "recipe", "render"],
         crates: &[SCENE, TRACER, GENERATORS],
     },
     Room { name: "cli", rooms: ALL, crates: &["satseed", SCENE, TRACER, GENERATORS] },
@@ -60,6 +61,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("tiff_core", &["dataset"]),
     ("base64", &["evaluate", "gallery"]),
     ("miniz_oxide", &["gallery"]),
+    ("sha2", &["card"]),
     ("image", &["export", "gallery"]),
     ("png", &["dataset", "evaluate", "export"]),
     ("tar", &["export"]),

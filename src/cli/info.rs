@@ -68,6 +68,9 @@ fn write_region(out: &mut dyn Write, region: &RegionSummary) -> io::Result<()> {
     writeln!(out, "\n  samples by occluded share")?;
     write_histogram(out, &region.occlusion, percent)?;
 
+    writeln!(out, "\n  pixels by local contrast, left (deviation in 9 x 9, grey levels)")?;
+    write_histogram(out, &region.texture, |x| format!("{x:.1}"))?;
+
     if let (Some(classes), Some(built)) = (&region.classes, region.built_fraction) {
         let mut seen: Vec<_> = classes.iter().filter(|(_, share)| **share > 0.0).collect();
         seen.sort_by(|a, b| b.1.total_cmp(a.1));

@@ -10,6 +10,12 @@ pub const MANIFEST: &str = "manifest.jsonl";
 pub const ROOT_HASH: &str = "manifest.blake3";
 /// The dataset to look at, a page that follows from the rest: no record names it, and nobody needs it.
 pub const GALLERY: &str = "gallery.html";
+/// The dataset's card: a page that follows from the rest.
+pub const CARD: &str = "README.md";
+/// What programs read of the card; the card holds its hash.
+pub const CROISSANT: &str = "croissant.json";
+/// Pages that follow from the dataset. No record names them, and nobody needs them.
+pub const PAGES: [&str; 3] = [GALLERY, CARD, CROISSANT];
 /// A scene's lines of the manifest.
 pub const PART: &str = "part.jsonl";
 /// A sample's record.

@@ -16,6 +16,7 @@ mod seal;
 mod store;
 mod summary;
 mod terrain;
+pub(crate) mod texture;
 mod verify;
 #[cfg(test)]
 mod verify_tests;
@@ -27,7 +28,9 @@ pub use camera_file::{CameraFile, CameraRecord};
 pub use compare::{compare_sample, compare_scene};
 pub use layer::{LAST_CLASS, Layer, View, validity};
 pub use lock::{FolderLock, LockError};
-pub use manifest::{GALLERY, LineError, MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE, parse_lines};
+pub use manifest::{
+    CARD, CROISSANT, GALLERY, LineError, MANIFEST, ManifestHash, PAGES, PART, RECIPE, ROOT_HASH, SAMPLE, parse_lines,
+};
 pub use reader::{Dataset, ReadError};
 pub use record::{FileRecord, RecordError, SampleRecord, is_name};
 pub use sample::{ContentError, Identity, Sample, Statistics};

@@ -5,6 +5,7 @@ use super::layer::{Layer, View};
 use super::reader::{Dataset, ReadError};
 use super::record::SampleRecord;
 use super::terrain::SceneFigures;
+use super::texture::{contrast_steps, levels};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -13,6 +14,8 @@ use std::collections::BTreeMap;
 const DISPARITY_BINS: usize = 16;
 /// Borders of the occlusion histogram, share of a sample's left pixels.
 const OCCLUSION_BORDERS: [f64; 9] = [0.0, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
+/// Borders of the texture histogram, grey levels of 255.
+const TEXTURE_BORDERS: [f64; 9] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0];
 /// Names of the semantic classes, by number.
 pub const CLASS_NAMES: [&str; 15] = [
     "none",
@@ -66,6 +69,8 @@ pub struct RegionSummary {
     pub disparity: Histogram,
     /// How many samples have an occluded share in each bin; the last bin ends at 1.
     pub occlusion: Histogram,
+    /// Pixels of the left views by local contrast: standard deviation of (R + G + B) / 3 in 9 x 9 pixels, grey levels.
+    pub texture: Histogram,
     /// Share of the left views' pixels by semantic class; none where the recipe does not write classes.
     pub classes: Option<BTreeMap<&'static str, f64>>,
     /// Roof pixels among those that are no facade: what a map would call built; none without classes.
@@ -119,7 +124,7 @@ struct SceneFacts {
     full_detail_radius_m: f64,
 }
 
-/// Counts a whole dataset; it reads every left label, on the current rayon pool.
+/// Counts a whole dataset; it reads every left view's image and labels, on the current rayon pool.
 ///
 /// # Errors
 /// Where a file is missing or damaged.
@@ -153,6 +158,7 @@ fn splits<'a>(records: impl Iterator<Item = &'a SampleRecord>) -> BTreeMap<Strin
 /// What is counted of one sample's left labels.
 struct Counts {
     disparity: Vec<u64>,
+    texture: Vec<u64>,
     classes: Option<[u64; CLASS_NAMES.len()]>,
 }
 
@@ -164,10 +170,12 @@ fn region(dataset: &Dataset<'_>, records: &[&SampleRecord]) -> Result<RegionSumm
     let counts: Vec<Counts> = records.par_iter().map(|r| count(dataset, r, low, step)).collect::<Result<_, _>>()?;
 
     let mut disparity = vec![0; DISPARITY_BINS];
+    let mut texture = vec![0; TEXTURE_BORDERS.len()];
     let mut classes = [0; CLASS_NAMES.len()];
     let mut with_classes = true;
     for c in &counts {
         disparity.iter_mut().zip(&c.disparity).for_each(|(sum, n)| *sum += n);
+        texture.iter_mut().zip(&c.texture).for_each(|(sum, n)| *sum += n);
         match &c.classes {
             Some(own) => classes.iter_mut().zip(own).for_each(|(sum, n)| *sum += n),
             None => with_classes = false,
@@ -191,6 +199,7 @@ fn region(dataset: &Dataset<'_>, records: &[&SampleRecord]) -> Result<RegionSumm
             counts: disparity,
         },
         occlusion: occlusion(records),
+        texture: Histogram { from: TEXTURE_BORDERS.to_vec(), to: 127.5, counts: texture },
         classes: with_classes.then(|| CLASS_NAMES.iter().enumerate().map(|(i, name)| (*name, share(i))).collect()),
         built_fraction: with_classes.then(|| share(3) / (1.0 - share(4)).max(f64::MIN_POSITIVE)),
         scenes: scenes.values().map(|r| scene(dataset, r)).collect::<Result<_, _>>()?,
@@ -205,6 +214,12 @@ fn count(dataset: &Dataset<'_>, record: &SampleRecord, low: f64, step: f64) -> R
             disparity[(((f64::from(d) - low) / step) as usize).min(DISPARITY_BINS - 1)] += 1;
         }
     }
+    let image = dataset.plane(record, &camera, Layer::Image, View::Left)?.to_rgb8();
+    let mut texture = vec![0; TEXTURE_BORDERS.len()];
+    for step in contrast_steps(&image, camera.left.width_px as usize) {
+        let bin = TEXTURE_BORDERS.iter().rposition(|from| levels(step.into()) >= *from).unwrap_or(0);
+        texture[bin] += 1;
+    }
     let has_classes = record.files.contains_key(&Layer::Class.key(View::Left));
     let classes = if has_classes {
         let mut classes = [0; CLASS_NAMES.len()];
@@ -218,7 +233,7 @@ fn count(dataset: &Dataset<'_>, record: &SampleRecord, low: f64, step: f64) -> R
     } else {
         None
     };
-    Ok(Counts { disparity, classes })
+    Ok(Counts { disparity, texture, classes })
 }
 
 fn baselines(records: &[&SampleRecord]) -> Vec<BaselineSummary> {

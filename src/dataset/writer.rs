@@ -7,7 +7,7 @@
 
 use super::formats::{FormatError, HeightMap, PixelKind, Plane, encode_height_map};
 use super::layer::{Layer, View};
-use super::manifest::{GALLERY, MANIFEST, ManifestHash, PART, RECIPE, ROOT_HASH, SAMPLE};
+use super::manifest::{MANIFEST, ManifestHash, PAGES, PART, RECIPE, ROOT_HASH, SAMPLE};
 use super::ownership::refusal;
 use super::record::{FileRecord, SampleRecord};
 use super::sample::{ContentError, Sample};
@@ -151,7 +151,7 @@ impl<'a> Writer<'a> {
         let planned = contents.paths();
         if let Some(path) = entries
             .iter()
-            .find(|(p, bytes)| !(planned.contains(*p) || *p == GALLERY) || bytes.is_none())
+            .find(|(p, bytes)| !(planned.contains(*p) || PAGES.contains(&p.as_str())) || bytes.is_none())
             .map(|(p, _)| p)
         {
             return Err(WriteError::Foreign { path: path.clone() });

@@ -1,8 +1,8 @@
 //! By what errors are broken down, and the bins of each.
 
 use super::score::{Both, ByVisibility, Scores};
-use super::texture;
 use crate::dataset::CLASS_NAMES;
+use crate::dataset::texture;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -14,7 +14,6 @@ mod report;
 mod score;
 mod source;
 mod tally;
-mod texture;
 mod truth;
 
 pub use breakdown::{Breakdown, Row};
@@ -28,6 +27,7 @@ pub use source::Source;
 
 use crate::dataset::ReadError;
 use crate::dataset::formats::HeightMap;
+use crate::dataset::texture;
 use breakdown::{By, DisparityBins, Frames};
 use mistakes::{Suspicion, suspicions, together};
 use prediction::{Found, find, strangers};

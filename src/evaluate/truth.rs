@@ -3,8 +3,8 @@
 use super::boundary::{jumps, squared_distances};
 use super::breakdown::{By, DisparityBins, NO_BIN, boundary_bin, height_bin, shadow_bin, slope_bin};
 use super::prediction::Size;
-use super::texture::contrast_steps;
 use crate::dataset::formats::{HeightMap, Pixels, Plane};
+use crate::dataset::texture::contrast_steps;
 use crate::dataset::{CameraFile, Dataset, Layer, ReadError, SampleRecord, View, validity};
 
 /// A sample's truth.

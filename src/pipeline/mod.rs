@@ -18,6 +18,7 @@ pub use regenerate::{chosen, regenerate, same_recipe_text};
 pub use scene::{BuiltScene, SceneRecord};
 pub use schedule::generate;
 
+use crate::card::CardError;
 use crate::dataset::{ManifestHash, ReadError, WriteError};
 use crate::gallery::GalleryError;
 use crate::plan::{Estimate, Plan, Shard};
@@ -92,6 +93,9 @@ pub enum PipelineError {
     /// The dataset could not be read.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// The card could not be made.
+    #[error(transparent)]
+    Card(#[from] CardError),
     /// The gallery could not be made.
     #[error(transparent)]
     Gallery(#[from] GalleryError),

@@ -11,6 +11,7 @@
 use super::profile::{Meter, Stage};
 use super::scene::{self, BuiltScene};
 use super::{Event, Options, Outcome, PipelineError, SCENES_IN_FLIGHT, contents, pair, thread_pool};
+use crate::card::ensure_card;
 use crate::dataset::{Sample, Store, WriteError, Writer};
 use crate::gallery::ensure_gallery;
 use crate::plan::{PairSpec, Plan, SceneSpec, Share};
@@ -49,6 +50,7 @@ pub fn generate(
     }
     let finished = run.lanes.files.install(|| run.meter.stage(Stage::Finish, || run.writer.finish()))?;
     let Some(root_hash) = finished else { return Ok(Outcome::ShardDone) };
+    run.lanes.files.install(|| run.meter.stage(Stage::Finish, || ensure_card(store)))?;
     run.lanes.files.install(|| run.meter.stage(Stage::Finish, || ensure_gallery(store)))?;
     Ok(Outcome::Complete(root_hash))
 }

@@ -10,7 +10,7 @@ mod report;
 
 pub use report::{Fault, Finding, Report};
 
-use super::manifest::{GALLERY, MANIFEST, PART, RECIPE, ROOT_HASH, SAMPLE};
+use super::manifest::{CARD, CROISSANT, GALLERY, MANIFEST, PAGES, PART, RECIPE, ROOT_HASH, SAMPLE};
 use super::record::{FileRecord, SampleRecord};
 use super::seal::Seal;
 use super::store::{Store, StoreError};
@@ -93,10 +93,8 @@ pub fn verify(store: &dyn Store, planned: Option<&[String]>) -> Result<Report, S
         .collect();
     findings.extend(per_sample?.into_iter().flatten());
 
-    if entries.get(GALLERY).is_some_and(Option::is_some) {
-        expected.insert(GALLERY.to_owned());
-        findings.extend(gallery(&store.get(GALLERY)?, report.root_hash.as_deref()));
-    }
+    expected.extend(PAGES.iter().filter(|p| entries.get(**p).is_some_and(Option::is_some)).map(|p| (*p).to_owned()));
+    findings.extend(pages(store, &entries, report.root_hash.as_deref())?);
 
     for (path, bytes) in entries.iter().filter(|(path, _)| !expected.contains(*path)) {
         let unfinished = report.samples_to_make > 0 && planned.is_some_and(|ids| is_part_of_a_plan(path, ids));
@@ -111,16 +109,41 @@ pub fn verify(store: &dyn Store, planned: Option<&[String]>) -> Result<Report, S
     Ok(report)
 }
 
-/// What is wrong with the gallery, if anything. It may be missing.
-fn gallery(page: &[u8], root_hash: Option<&str>) -> Option<Finding> {
-    let again = "remove it, and `satseed gallery` makes it again";
-    match Seal::of(page) {
-        None => Some(Finding::new(GALLERY, Fault::Changed, format!("it is not what its last line says: {again}"))),
-        Some(seal) if root_hash.is_some_and(|hash| hash != seal.root_hash) => {
-            Some(Finding::new(GALLERY, Fault::Contradiction, format!("it shows another dataset: {again}")))
+/// What is wrong with the pages that follow from the dataset. They may be missing.
+fn pages(
+    store: &dyn Store,
+    entries: &BTreeMap<String, Option<u64>>,
+    root_hash: Option<&str>,
+) -> Result<Vec<Finding>, StoreError> {
+    let there = |page: &str| entries.get(page).is_some_and(Option::is_some);
+    let mut findings = Vec::new();
+    let mut card = None;
+    for page in [GALLERY, CARD].into_iter().filter(|page| there(page)) {
+        const AGAIN: &str = "remove it, and generate makes it again";
+        let content = store.get(page)?;
+        match Seal::of(&content) {
+            None => {
+                let detail = format!("it is not what its last line says: {AGAIN}");
+                findings.push(Finding::new(page, Fault::Changed, detail));
+            }
+            Some(seal) if root_hash.is_some_and(|hash| hash != seal.root_hash) => {
+                let detail = format!("it shows another dataset: {AGAIN}");
+                findings.push(Finding::new(page, Fault::Contradiction, detail));
+            }
+            Some(_) if page == CARD => card = Some(content),
+            Some(_) => {}
         }
-        Some(_) => None,
     }
+    if there(CROISSANT) {
+        let hash = blake3::hash(&store.get(CROISSANT)?).to_hex();
+        let named = |card: &Vec<u8>| String::from_utf8_lossy(card).contains(hash.as_str());
+        if !card.as_ref().is_some_and(named) {
+            let detail =
+                format!("`{CARD}` does not hold its BLAKE3 {hash}: remove both, and generate makes them again");
+            findings.push(Finding::new(CROISSANT, Fault::Changed, detail));
+        }
+    }
+    Ok(findings)
 }
 
 /// A file of a sample or scene that the plan has but no record names yet.

@@ -5,12 +5,12 @@ const REACH: usize = 4;
 /// Steps of contrast a grey level.
 const STEPS_PER_LEVEL: f64 = 16.0;
 /// Steps that there can be: a deviation is at most half the range of 255 levels.
-pub(super) const STEPS: usize = 2041;
+pub(crate) const STEPS: usize = 2041;
 
 /// Standard deviation of (R + G + B) / 3 in the window around each pixel, in steps of 1/16 grey level, rounded down.
 ///
 /// Sums of whole numbers: the same everywhere, and whichever way they are summed.
-pub(super) fn contrast_steps(rgb: &[u8], width: usize) -> Vec<u16> {
+pub(crate) fn contrast_steps(rgb: &[u8], width: usize) -> Vec<u16> {
     let height = rgb.len() / 3 / width;
     let (mut sums, mut squares) = (vec![0_u64; width + 1], vec![0_u64; width + 1]);
     let mut columns = vec![(0_u32, 0_u64); width];
@@ -48,13 +48,13 @@ pub(super) fn contrast_steps(rgb: &[u8], width: usize) -> Vec<u16> {
 }
 
 /// The contrast at which a step begins, grey levels.
-pub(super) fn levels(step: usize) -> f64 {
+pub(crate) fn levels(step: usize) -> f64 {
     step as f64 / STEPS_PER_LEVEL
 }
 
 /// Which tenth of the pixels each step belongs to, given how many pixels each has. Steps are not divided: the tenth
 /// that holds a step's first pixel has all of it.
-pub(super) fn deciles(counts: &[u64]) -> Vec<usize> {
+pub(crate) fn deciles(counts: &[u64]) -> Vec<usize> {
     let total: u64 = counts.iter().sum();
     let mut below = 0_u64;
     counts
