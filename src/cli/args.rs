@@ -110,6 +110,8 @@ pub(crate) struct PresetsArgs {
 pub(crate) enum PresetsCommand {
     /// List all presets (the default)
     List,
+    /// Print the JSON schema of recipes, for editors
+    Schema,
     /// Print a preset's text
     Show {
         /// The preset

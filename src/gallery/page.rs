@@ -8,6 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/gallery.css");
@@ -96,7 +97,9 @@ pub fn gallery_html(dataset: &Dataset<'_>, beside: bool) -> Result<Vec<u8>, Gall
     let mut page = Vec::with_capacity(data + (1 << 20));
     page.extend(before.replace("{{style}}", STYLE).bytes());
     page.extend(block("dataset", &facts).bytes());
-    packed.iter().for_each(|p| page.extend(p.bytes()));
+    for p in packed {
+        page.extend(p.bytes());
+    }
     page.extend(rest.replace("{{script}}", &SCRIPTS.concat()).bytes());
     Ok(Seal::put(page, &root_hash))
 }
@@ -138,7 +141,7 @@ fn sample<'r>(
         .map_err(|reason| GalleryError::Format { id: record.id().to_owned(), reason })?;
     let path = |name: &str| {
         let path = record.files.get(name).map(|f| f.path.as_str());
-        path.filter(|p| beside && p.ends_with(".png"))
+        path.filter(|p| beside && Path::new(p).extension().is_some_and(|e| e == "png"))
     };
     let packed = Packed { left: STANDARD.encode(left), right: STANDARD.encode(right), labels: STANDARD.encode(labels) };
     let facts = SampleFacts {

@@ -12,6 +12,7 @@ mod presets;
 mod read;
 mod reader;
 mod region;
+mod schema;
 mod seed_list;
 mod sensor;
 mod set;
@@ -26,6 +27,7 @@ pub use parts::{
     PivotAlongBaseline, Pivots, RadianceFile, SceneEntry, Sensor, SensorCoding, SensorPreset, Series, SplitRule,
 };
 pub use presets::{PRESETS, Preset};
+pub use schema::schema;
 pub use seed_list::seed_list_line;
 pub use source::RecipeError;
 pub use sun::{Date, Sun};
