@@ -177,15 +177,6 @@ fn bad_recipes_are_refused_where_they_are_wrong() {
 }
 
 /// The preset `linear` writes `OpenEXR`: a build without it says so.
-#[cfg(not(feature = "exr"))]
-#[test]
-fn openexr_is_refused_where_it_is_not_built_in() {
-    for (text, place) in [("[sensor]\npreset = 'linear'", "2:10"), ("[sensor]\ncoding = 'exr'", "2:10")] {
-        let place = format!("r.toml:{place}: ");
-        let parts = [place.as_str(), "OpenEXR", "--features exr", "`sensor.coding`", "\"float\""];
-        refused("r.toml", format!("{text}{TAIL}").as_bytes(), &["r.toml"], &parts);
-    }
-}
 
 /// The same for the scenes, which make the whole recipe here.
 const BAD_SCENES: &[(&str, &str, &[&str])] = &[

@@ -287,7 +287,7 @@ words! {
         Counts = "11bit",
         /// Radiance, 32-bit floats in a TIFF.
         Float = "float",
-        /// Radiance, 32-bit floats in `OpenEXR`; only in builds with the feature `exr`.
+        /// Radiance, 32-bit floats in `OpenEXR`.
         Exr = "exr",
     }
 }

@@ -81,16 +81,6 @@ impl Reader {
         self.take(key).map(|node| Ok((whole(&name, &node, range)?, node.origin))).transpose()
     }
 
-    /// One of a set of words, with its place.
-    pub(super) fn word_at<T: Copy>(
-        &mut self,
-        key: &'static str,
-        words: &[(&str, T)],
-    ) -> Result<Option<(T, Origin)>, RecipeError> {
-        let name = self.name(key);
-        self.take(key).map(|node| Ok((word(&name, &node, words)?, node.origin))).transpose()
-    }
-
     /// One of a set of words.
     pub(super) fn word<T: Copy>(&mut self, key: &'static str, words: &[(&str, T)]) -> Result<Option<T>, RecipeError> {
         let name = self.name(key);

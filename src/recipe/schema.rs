@@ -138,6 +138,7 @@ fn labels() -> Value {
     })
 }
 
+#[allow(clippy::needless_pass_by_value)] // It is called with what was made for it.
 fn table(properties: Value) -> Value {
     json!({ "type": "object", "additionalProperties": false, "properties": properties })
 }
@@ -154,6 +155,7 @@ fn words<T>(words: &[(&str, T)], what: &str) -> Value {
     json!({ "enum": words.iter().map(|(word, _)| *word).collect::<Vec<_>>(), "description": what })
 }
 
+#[allow(clippy::needless_pass_by_value)]
 fn either(a: Value, b: Value, what: &str) -> Value {
     json!({ "anyOf": [a, b], "description": what })
 }

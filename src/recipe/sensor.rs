@@ -3,15 +3,14 @@
 use super::node::{Node, Value};
 use super::parts::{BANDS, RadianceFile, Sensor, SensorCoding, SensorPreset, word_of};
 use super::reader::{Reader, number, wrong};
-use super::source::{Origin, RecipeError};
+use super::source::RecipeError;
 use crate::render;
 use crate::render::sensor::{BandSet, Coding, MAX_MTF, MIN_MTF, Noise, PanSharpening};
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
 pub(super) fn sensor(mut table: Reader) -> Result<Sensor, RecipeError> {
-    let stated = table.word_at("preset", SensorPreset::ALL)?;
-    let preset = stated.as_ref().map_or(SensorPreset::Worldview3Rgb, |(preset, _)| *preset);
+    let preset = table.word("preset", SensorPreset::ALL)?.unwrap_or(SensorPreset::Worldview3Rgb);
     let samples_per_pixel = table.whole("samples_per_pixel", 1..=4096)?.map_or(16, |(n, _)| n as u32);
     let mut imager = preset.sensor();
     if let Some(bands) = table.word("bands", BANDS)? {
@@ -20,8 +19,7 @@ pub(super) fn sensor(mut table: Reader) -> Result<Sensor, RecipeError> {
     optics(&mut table, &mut imager)?;
     noise(&mut table, &mut imager)?;
     sharpening(&mut table, &mut imager)?;
-    let origin = stated.map_or_else(|| table.origin.clone(), |(_, origin)| origin);
-    let radiance_file = coding(&mut table, &mut imager, origin)?;
+    let radiance_file = coding(&mut table, &mut imager)?;
     table.finish()?;
     Ok(Sensor { preset, imager, radiance_file, samples_per_pixel })
 }
@@ -107,16 +105,11 @@ fn sharpening(table: &mut Reader, imager: &mut render::Sensor) -> Result<(), Rec
     Ok(())
 }
 
-/// `preset` is where the preset is named.
-fn coding(table: &mut Reader, imager: &mut render::Sensor, preset: Origin) -> Result<RadianceFile, RecipeError> {
-    let name = table.name("coding");
-    let (coding, origin) = table.word_at("coding", SensorCoding::ALL)?.unwrap_or_else(|| {
-        let coding = match imager.coding {
-            Coding::Stretched { .. } => SensorCoding::Stretched,
-            Coding::Counts => SensorCoding::Counts,
-            Coding::Radiance => SensorCoding::Exr,
-        };
-        (coding, preset)
+fn coding(table: &mut Reader, imager: &mut render::Sensor) -> Result<RadianceFile, RecipeError> {
+    let coding = table.word("coding", SensorCoding::ALL)?.unwrap_or(match imager.coding {
+        Coding::Stretched { .. } => SensorCoding::Stretched,
+        Coding::Counts => SensorCoding::Counts,
+        Coding::Radiance => SensorCoding::Exr,
     });
     let stretch_name = table.name("stretch_percent");
     let stretch = table.take("stretch_percent");
@@ -131,12 +124,6 @@ fn coding(table: &mut Reader, imager: &mut render::Sensor, preset: Origin) -> Re
             let message = format!("`{name}` is for `coding = \"8bit\"`, but the coding is \"{word}\": leave it out");
             return Err(origin.error(message));
         }
-    }
-    if coding == SensorCoding::Exr && !cfg!(feature = "exr") {
-        return Err(origin.error(format!(
-            "this writes OpenEXR, which is not in this build: build satseed with `--features exr`, or set `{name}` to \
-             \"float\" for a TIFF of the same values"
-        )));
     }
     imager.coding = match (coding, imager.coding) {
         (SensorCoding::Counts, _) => Coding::Counts,

@@ -4,10 +4,6 @@
 //! type, or `OpenEXR` where a recipe asks for it. All encoders are integer code without a dependence on processor,
 //! threads or clock.
 
-#[cfg(feature = "exr")]
-mod exr;
-#[cfg(not(feature = "exr"))]
-#[path = "no_exr.rs"]
 mod exr;
 mod png;
 mod tiff;
@@ -56,7 +52,7 @@ pub enum PixelKind {
     Counts(u8),
     /// [`Pixels::Radiance`] of so many values, TIFF.
     Radiance(u8),
-    /// [`Pixels::SceneLinear`] of so many values, `OpenEXR`; only in builds with the feature `exr`.
+    /// [`Pixels::SceneLinear`] of so many values, `OpenEXR`.
     SceneLinear(u8),
 }
 
@@ -392,10 +388,8 @@ mod tests {
             of(Pixels::Radiance(3, ramp(width, height).flat_map(|i| [i as f32 * 0.01, 3.5, 0.0]).collect())),
             of(Pixels::Radiance(4, ramp(width, height).flat_map(|i| [i as f32 * 0.01, 3.5, 0.0, 90.0]).collect())),
         ];
-        if cfg!(feature = "exr") {
-            let values = |n: usize| (0..width as usize * height as usize * n).map(|i| i as f32 * 0.37 - 4.0).collect();
-            all.extend([1, 3, 4].map(|n| of(Pixels::SceneLinear(n, values(n.into())))));
-        }
+        let values = |n: usize| (0..width as usize * height as usize * n).map(|i| i as f32 * 0.37 - 4.0).collect();
+        all.extend([1, 3, 4].map(|n| of(Pixels::SceneLinear(n, values(n.into())))));
         all
     }
 

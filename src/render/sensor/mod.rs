@@ -184,6 +184,7 @@ impl Sensor {
                 let sharpener = Sharpener {
                     how,
                     optics: self.optics,
+                    haze: added,
                     share: sharpen::pan_shares(light.white_radiance),
                     pan: detector(4, width),
                     colours: core::array::from_fn(|b| detector(b, colour_width)),

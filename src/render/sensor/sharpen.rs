@@ -1,5 +1,8 @@
-//! Colour from coarse bands, detail from the panchromatic one, by ratios (Brovey): what gives real crops their bleeding
-//! colours.
+//! Colour from coarse bands, detail from the panchromatic one, by ratios of what comes from the ground (Brovey with the haze
+//! taken off first: Lolli et al., IEEE GRSL 14(12), 2017): what gives real crops their bleeding colours.
+//!
+//! Ratios of all light, haze included, would scale the haze by the detail. Haze is mostly blue: beside every shadow's edge
+//! blue would fall below any dark object's, a stretch would begin there, and all shade would come out navy.
 
 use super::PanSharpening;
 use super::noise::Detector;
@@ -10,8 +13,8 @@ use satseed_scene::Bands;
 
 /// How much of each band a panchromatic detector sees: 450 to 800 nm.
 const PAN_RESPONSE: [f32; 4] = [0.22, 0.30, 0.33, 0.15];
-/// A panchromatic signal below this is dark: its colour is not divided by less.
-const LEAST_SIGNAL: f32 = 1e-3;
+/// Where the ground gives less than this, colours are mostly noise: detail then adds to all bands alike.
+const DARK: f32 = 0.01;
 
 /// The panchromatic value of four bands of radiance.
 pub(super) fn pan_of(radiance: Bands) -> f32 {
@@ -35,6 +38,8 @@ pub(super) struct Sharpener {
     pub how: PanSharpening,
     /// The blur of the panchromatic band.
     pub optics: Optics,
+    /// The signal that does not come from the ground before the pixel.
+    pub haze: Bands,
     /// What each band adds to the panchromatic signal, [`pan_shares`].
     pub share: [f32; 4],
     /// The panchromatic detectors.
@@ -57,6 +62,7 @@ impl Sharpener {
         let PanSharpening { ratio, offset_px } = self.how;
         let across = [-offset_px, 0.0, offset_px, 0.0].map(|offset| Taps::line(width, ratio, offset, coarse.width));
         let down = Taps::line(height, ratio, 0.0, coarse.height);
+        let haze_pan = weighted(self.haze, self.share);
         let mut out = vec![0.0; width * height * order.len()];
         out.par_chunks_mut(width * order.len()).enumerate().for_each(|(v, row)| {
             let middle: Vec<Bands> =
@@ -65,9 +71,10 @@ impl Sharpener {
             for (u, (pixel, radiance)) in pixels.enumerate() {
                 let detail = self.pan.read(u, v, weighted(at_sensor(*radiance), self.share));
                 let colour = Bands(core::array::from_fn(|b| across[b][u].sum_band(&middle, b)));
-                let ratio = detail / weighted(colour, self.share).max(LEAST_SIGNAL);
+                let coarse_pan = weighted(colour, self.share);
+                let per_ground = (detail - coarse_pan) / ((coarse_pan - haze_pan).max(0.0) + DARK);
                 for (value, b) in pixel.iter_mut().zip(order) {
-                    *value = colour[*b] * ratio;
+                    *value = colour[*b] + per_ground * ((colour[*b] - self.haze[*b]).max(0.0) + DARK);
                 }
             }
         });
@@ -186,8 +193,29 @@ mod tests {
         let how = PanSharpening { ratio: 4, offset_px };
         let colours = core::array::from_fn(|_| quiet(ground.width as usize / 4 + 1));
         let pan = quiet(ground.width as usize);
-        let sharpener = Sharpener { how, optics, share: pan_shares(Bands::ONE), pan, colours };
+        let sharpener = Sharpener { how, optics, haze: Bands::ZERO, share: pan_shares(Bands::ONE), pan, colours };
         sharpener.run(ground, &|g| g, &[2, 1, 0])
+    }
+
+    /// Blue haze over a grey edge: on the dark side no band comes out darker than it is, and the shade keeps its grey.
+    #[test]
+    fn haze_takes_no_part_in_ratios() {
+        let haze = Bands::new(0.15, 0.08, 0.03, 0.02);
+        let (dark, bright) = (0.02, 0.3);
+        let ground = field(|u| Bands::grey(if u < 33 { dark } else { bright }));
+        let optics = Optics { mtf_at_nyquist: Some(0.15), smear_px: 0.0 };
+        let how = PanSharpening { ratio: 4, offset_px: 0.0 };
+        let colours = core::array::from_fn(|_| quiet(ground.width as usize / 4 + 1));
+        let pan = quiet(ground.width as usize);
+        let sharpener = Sharpener { how, optics, haze, share: pan_shares(Bands::ONE), pan, colours };
+        let out = sharpener.run(&ground, &|g| g + haze, &[2, 1, 0]);
+        for u in 0..66 {
+            for (c, band) in [2, 1, 0].into_iter().enumerate() {
+                let found = out[(17 * 66 + u) * 3 + c] - haze[band];
+                let expected = if u < 33 { dark } else { bright };
+                assert!((found - expected).abs() < 1e-4, "{u}, band {band}: {found}, not {expected}");
+            }
+        }
     }
 
     fn field(colour: impl Fn(usize) -> Bands) -> Radiance {
