@@ -7,12 +7,17 @@ const LAST_COUNT: u16 = 2047;
 /// Narrowest stretch, counts: an even field is not blown up to noise.
 const LEAST_RANGE: u16 = 32;
 
+/// How much of the haze, by which a visible band's dark end lies above the clearest band's, a stretch leaves in the image,
+/// percent. Delivered images keep some: with this much, shade has the ratios of red, green and blue that the darkest pixels of
+/// real 8-bit WorldView-3 crops have, about 1 : 1.3 : 1.8.
+const HAZE_LEFT_PERCENT: u32 = 15;
+
 /// What numbers a sensor delivers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coding {
     /// 8 bits, stretched between two percentiles of all views of a pair together and bent by a tone curve. Each band
-    /// begins at its own low percentile, since air is brighter in blue; one range serves all visible bands, so that
-    /// colours stay what they are.
+    /// begins near its own low percentile, since air is brighter in blue, and a little of that haze stays; one range serves all
+    /// visible bands, so that colours stay what they are.
     Stretched {
         /// Share of the pixels at or below code 0, percent, 0..=20.
         low_percent: f64,
@@ -80,8 +85,12 @@ pub(in crate::render) fn code(exposures: Vec<Exposure>, coding: Coding) -> Vec<I
     };
     let channels = exposures.iter().map(|e| e.0.channels).max().unwrap_or(0);
     let histograms = histograms(&exposures, channels);
-    let ends: Vec<[u16; 2]> =
+    let mut ends: Vec<[u16; 2]> =
         histograms.iter().map(|h| [percentile(h, low_percent), percentile(h, high_percent)]).collect();
+    let clearest = ends.iter().take(3).map(|[low, _]| *low).min().unwrap_or(0);
+    for [low, _] in ends.iter_mut().take(3) {
+        *low -= ((u32::from(*low - clearest) * HAZE_LEFT_PERCENT + 50) / 100) as u16;
+    }
     let range = |[low, high]: &[u16; 2]| high.saturating_sub(*low).max(LEAST_RANGE);
     let visible = ends.iter().take(3).map(range).max().unwrap_or(LEAST_RANGE);
     let tables: Vec<Vec<u8>> = ends
