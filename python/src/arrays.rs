@@ -1,0 +1,48 @@
+//! A sample as Python sees it: arrays by name, facts as JSON.
+
+use numpy::{IntoPyArray as _, PyArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use satseed::dataset::Sample;
+use satseed::dataset::formats::{Pixels, Plane};
+
+/// Identity and cameras as JSON, arrays by their names in a dataset's records.
+pub(crate) type Made<'py> = (String, Bound<'py, PyDict>);
+
+/// Hands a sample over; no array is copied.
+pub(crate) fn sample(py: Python<'_>, sample: Sample) -> PyResult<Made<'_>> {
+    let facts = serde_json::json!({ "identity": sample.identity, "camera": sample.camera });
+    let arrays = PyDict::new(py);
+    for (layer, view, plane) in sample.planes {
+        arrays.set_item(layer.key(view), array(py, plane)?)?;
+    }
+    Ok((facts.to_string(), arrays))
+}
+
+/// (rows, columns), or (rows, columns, bands) where a pixel has several values.
+fn array(py: Python<'_>, plane: Plane) -> PyResult<Bound<'_, PyAny>> {
+    let (h, w) = (plane.height as usize, plane.width as usize);
+    fn shaped<T: numpy::Element>(
+        py: Python<'_>,
+        values: Vec<T>,
+        shape: [usize; 2],
+        bands: usize,
+    ) -> PyResult<Bound<'_, PyAny>> {
+        let flat = values.into_pyarray(py);
+        Ok(if bands == 1 {
+            flat.reshape(shape)?.into_any()
+        } else {
+            flat.reshape([shape[0], shape[1], bands])?.into_any()
+        })
+    }
+    match plane.pixels {
+        Pixels::Gray(v) => shaped(py, v, [h, w], 1),
+        Pixels::Rgb(v) => shaped(py, v, [h, w], 3),
+        Pixels::Bytes4(v) => shaped(py, v, [h, w], 4),
+        Pixels::Float(v) => shaped(py, v, [h, w], 1),
+        Pixels::Id(v) => shaped(py, v, [h, w], 1),
+        Pixels::Vector(v) => shaped(py, v, [h, w], 3),
+        Pixels::Counts(n, v) => shaped(py, v, [h, w], n.into()),
+        Pixels::Radiance(n, v) | Pixels::SceneLinear(n, v) => shaped(py, v, [h, w], n.into()),
+    }
+}
