@@ -13,6 +13,8 @@
 //!   -> dataset    files, manifest, verify, resume
 //!   -> evaluate   predictions against labels: scores, break-downs, likely mistakes
 //!   -> export     the layouts that stereo trainers load
+//! scene
+//!   -> model      a 3-D model, a point cloud, height maps, for other people's viewers
 //! ```
 
 pub mod camera;
@@ -20,6 +22,7 @@ pub mod dataset;
 pub mod evaluate;
 pub mod export;
 pub mod labels;
+pub mod model;
 pub mod pipeline;
 pub mod plan;
 pub mod recipe;

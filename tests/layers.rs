@@ -18,7 +18,7 @@ const SCENE: &str = "satseed_scene";
 const TRACER: &str = "satseed_tracer";
 const GENERATORS: &str = "satseed_generators";
 const ALL: &[&str] =
-    &["camera", "cli", "dataset", "evaluate", "export", "labels", "pipeline", "plan", "recipe", "render"];
+    &["camera", "cli", "dataset", "evaluate", "export", "labels", "model", "pipeline", "plan", "recipe", "render"];
 
 /// The table of docs/architecture.md. The scene is the vocabulary that everyone speaks.
 const ROOMS: &[Room] = &[
@@ -33,6 +33,7 @@ const ROOMS: &[Room] = &[
     Room { name: "dataset", rooms: &["plan"], crates: &[SCENE] },
     Room { name: "evaluate", rooms: &["dataset"], crates: &[] },
     Room { name: "export", rooms: &["dataset"], crates: &[] },
+    Room { name: "model", rooms: &["dataset", "labels"], crates: &[SCENE] },
     Room {
         name: "pipeline",
         rooms: &["camera", "dataset", "labels", "plan", "recipe", "render"],

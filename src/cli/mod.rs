@@ -10,12 +10,15 @@ mod export;
 mod generate;
 mod info;
 mod logging;
+mod new_file;
+mod one_scene;
 mod output;
 mod plan;
 mod presets;
 mod preview;
 mod profile;
 mod progress;
+mod scene;
 mod verify;
 
 use args::{Cli, Command};
@@ -58,6 +61,7 @@ fn run(command: &Command) -> anyhow::Result<Exit> {
         Command::Plan(args) => plan::run(args),
         Command::Generate(args) => generate::run(args),
         Command::Preview(args) => preview::run(args),
+        Command::Scene(args) => scene::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Info(args) => info::run(args),
         Command::Explain(args) => explain::run(args),
