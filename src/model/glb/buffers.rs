@@ -60,8 +60,8 @@ impl Buffers {
 
     /// Corners of triangles, as indices of `vertices` vertices.
     pub(super) fn indices(&mut self, values: &[u32], vertices: usize) -> u32 {
-        // The largest index of a type means a restart.
-        if vertices <= usize::from(u16::MAX) {
+        // 65,536 vertices would need the index 65,535, which means a restart.
+        if u16::try_from(vertices).is_ok() {
             let bytes: Vec<u8> = values.iter().flat_map(|v| (*v as u16).to_le_bytes()).collect();
             self.push(Run::Shorts, "SCALAR", values.len(), &bytes)
         } else {

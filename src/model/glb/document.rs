@@ -92,7 +92,7 @@ pub(super) struct Attributes {
 #[serde(rename_all = "camelCase")]
 pub(super) struct MaterialEntry<'a> {
     pub name: &'a str,
-    pub pbr_metallic_roughness: Roughness,
+    pub pbr_metallic_roughness: MetallicRoughness,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub double_sided: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -101,12 +101,14 @@ pub(super) struct MaterialEntry<'a> {
 }
 
 #[derive(Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Roughness {
+pub(super) struct MetallicRoughness {
     /// Linear red, green, blue, and opacity.
-    pub base_color_factor: [f32; 4],
-    pub metallic_factor: f32,
-    pub roughness_factor: f32,
+    #[serde(rename = "baseColorFactor")]
+    pub base_color: [f32; 4],
+    #[serde(rename = "metallicFactor")]
+    pub metallic: f32,
+    #[serde(rename = "roughnessFactor")]
+    pub roughness: f32,
 }
 
 #[derive(Debug, Serialize)]

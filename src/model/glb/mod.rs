@@ -17,8 +17,8 @@ use crate::dataset::CLASS_NAMES;
 use buffers::Buffers;
 use colours::{Colour, Rgb, material_of};
 use document::{
-    Asset, Attributes, Buffer, Document, Ior, MaterialEntry, MaterialExtensions, MaterialExtras, MeshEntry, Node,
-    NodeExtras, Primitive, Roughness, SceneEntry, SceneExtras, container,
+    Asset, Attributes, Buffer, Document, Ior, MaterialEntry, MaterialExtensions, MaterialExtras, MeshEntry,
+    MetallicRoughness, Node, NodeExtras, Primitive, SceneEntry, SceneExtras, container,
 };
 use parts::{Part, parts};
 use rayon::prelude::*;
@@ -190,17 +190,13 @@ fn material_key(scene: &Scene, instance: &Instance, part: &Part, colour: &Colour
 }
 
 fn entry(material: &Material, [red, green, blue]: Rgb) -> MaterialEntry<'_> {
-    let (roughness_factor, index) = match material.brdf {
+    let (roughness, index) = match material.brdf {
         Brdf::Coated { index } => (COAT_ROUGHNESS, Some(index)),
         Brdf::Diffuse { .. } | Brdf::Leaf { .. } => (1.0, None),
     };
     MaterialEntry {
         name: &material.name,
-        pbr_metallic_roughness: Roughness {
-            base_color_factor: [red, green, blue, 1.0],
-            metallic_factor: 0.0,
-            roughness_factor,
-        },
+        pbr_metallic_roughness: MetallicRoughness { base_color: [red, green, blue, 1.0], metallic: 0.0, roughness },
         double_sided: matches!(material.brdf, Brdf::Leaf { .. }),
         extensions: index.map(|ior| MaterialExtensions { ior: Ior { ior } }),
         extras: MaterialExtras { class: class_name(material.class) },
