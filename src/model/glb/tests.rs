@@ -3,7 +3,7 @@
 use super::*;
 use crate::recipe::{Recipe, Region};
 use glam::{DAffine3, DMat3, DVec3, DVec4};
-use satseed_scene::{Bands, Coordinate, Field, Layer, Object};
+use satseed_scene::{Bands, Brdf, Coordinate, Field, Layer, Material, Mesh, Object};
 use serde_json::Value;
 
 /// A file taken apart again.
