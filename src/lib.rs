@@ -16,6 +16,8 @@
 //!   -> card       what a dataset tells of itself
 //!   -> gallery    one page to look at it
 //!   -> export     the layouts that stereo trainers load
+//! scene
+//!   -> model      a 3-D model, a point cloud, height maps, for other people's viewers
 //! ```
 
 pub mod camera;
@@ -25,6 +27,7 @@ pub mod evaluate;
 pub mod export;
 pub mod gallery;
 pub mod labels;
+pub mod model;
 pub mod pipeline;
 pub mod plan;
 pub mod recipe;

@@ -18,8 +18,8 @@ const SCENE: &str = "satseed_scene";
 const TRACER: &str = "satseed_tracer";
 const GENERATORS: &str = "satseed_generators";
 const ALL: &[&str] = &[
-    "camera", "card", "cli", "dataset", "evaluate", "export", "gallery", "labels", "pipeline", "plan", "recipe",
-    "render", "sweep",
+    "camera", "card", "cli", "dataset", "evaluate", "export", "gallery", "labels", "model", "pipeline", "plan",
+    "recipe", "render", "sweep",
 ];
 
 /// The table of docs/architecture.md. The scene is the vocabulary that everyone speaks.
@@ -38,6 +38,7 @@ const ROOMS: &[Room] = &[
     Room { name: "card", rooms: &["dataset"], crates: &[] },
     Room { name: "gallery", rooms: &["dataset"], crates: &[] },
     Room { name: "export", rooms: &["dataset"], crates: &[] },
+    Room { name: "model", rooms: &["dataset", "labels"], crates: &[SCENE] },
     Room {
         name: "pipeline",
         rooms: &["camera", "card", "dataset", "gallery", "labels", "plan", "recipe", "render"],

@@ -33,6 +33,8 @@ pub(crate) enum Command {
     Generate(GenerateArgs),
     /// Make one picture of a scene
     Preview(PreviewArgs),
+    /// Write a scene as a 3-D model, a point cloud or height maps
+    Scene(SceneArgs),
     /// Check a dataset's files against their hashes
     Verify(VerifyArgs),
     /// Tell what a dataset holds
@@ -162,9 +164,9 @@ pub(crate) struct GenerateArgs {
     pub(crate) profile: Option<PathBuf>,
 }
 
+/// One scene: a region of a recipe, and a seed.
 #[derive(Debug, Args)]
-
-pub(crate) struct PreviewArgs {
+pub(crate) struct OneSceneArgs {
     /// A preset's name (see `satseed presets`) or the path of a TOML file
     pub(crate) recipe: String,
     /// The region, such as canyon
@@ -179,6 +181,12 @@ pub(crate) struct PreviewArgs {
     /// Override a key of the recipe, such as scene.canyon.relief_m=150
     #[arg(long, value_name = "K=V")]
     pub(crate) set: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PreviewArgs {
+    #[command(flatten)]
+    pub(crate) scene: OneSceneArgs,
     /// From where
     #[arg(long, value_enum, default_value_t = View::Nadir)]
     pub(crate) view: View,
@@ -187,6 +195,19 @@ pub(crate) struct PreviewArgs {
     pub(crate) size: u32,
     /// The picture
     #[arg(short, long = "output", value_name = "FILE.png")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    #[command(flatten)]
+    pub(crate) scene: OneSceneArgs,
+    /// For a point cloud: which pair, such as b03-a17; the scene's first by default
+    #[arg(long, value_name = "PAIR")]
+    pub(crate) pair: Option<String>,
+    /// What its ending says: .glb is the scene as a 3-D model, .ply a pair's surface points with colour, .tif the height of
+    /// the first surface from above, with that of the bare ground beside it as FILE-dtm.tif
+    #[arg(short, long = "output", value_name = "FILE.glb|.ply|.tif")]
     pub(crate) output: PathBuf,
 }
 

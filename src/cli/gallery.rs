@@ -2,7 +2,7 @@
 
 use super::Exit;
 use super::args::GalleryArgs;
-use anyhow::Context as _;
+use super::new_file::NewFile;
 use satseed::dataset::{Dataset, DiskStore, FolderLock};
 use satseed::gallery::{gallery_html, put_gallery};
 use satseed::pipeline::thread_pool;
@@ -12,8 +12,8 @@ pub(crate) fn run(args: &GalleryArgs) -> anyhow::Result<Exit> {
     let pool = thread_pool(std::thread::available_parallelism().map_or(1, usize::from))?;
     if let Some(file) = &args.output {
         let dataset = Dataset::open(&store)?;
-        let page = pool.install(|| gallery_html(&dataset, false))?;
-        std::fs::write(file, page).with_context(|| format!("cannot write the page to {}", file.display()))?;
+        let output = NewFile::create(file)?;
+        output.finish(&pool.install(|| gallery_html(&dataset, false))?)?;
     } else {
         let _lock = FolderLock::take(&args.dir)?;
         pool.install(|| put_gallery(&store))?;

@@ -11,12 +11,15 @@ mod gallery;
 mod generate;
 mod info;
 mod logging;
+mod new_file;
+mod one_scene;
 mod output;
 mod plan;
 mod presets;
 mod preview;
 mod profile;
 mod progress;
+mod scene;
 mod sweep;
 mod verify;
 
@@ -60,6 +63,7 @@ fn run(command: &Command) -> anyhow::Result<Exit> {
         Command::Plan(args) => plan::run(args),
         Command::Generate(args) => generate::run(args),
         Command::Preview(args) => preview::run(args),
+        Command::Scene(args) => scene::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Info(args) => info::run(args),
         Command::Explain(args) => explain::run(args),

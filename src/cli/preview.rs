@@ -2,29 +2,20 @@
 
 use super::Exit;
 use super::args::{PreviewArgs, View};
-use anyhow::Context as _;
+use super::new_file::NewFile;
+use super::one_scene::OneScene;
 use glam::DVec3;
 use satseed::camera::{Camera, Datum, RigSpec, StereoRig};
 use satseed::dataset::formats::{Pixels, Plane};
-use satseed::plan::Plan;
-use satseed::recipe::{Changes, Recipe};
+use satseed::recipe::Recipe;
 use satseed::render::{AmbientMode, Light, render};
 use satseed_scene::SeedPath;
 use satseed_tracer::Tracer;
 
 pub(crate) fn run(args: &PreviewArgs) -> anyhow::Result<Exit> {
-    let changes = Changes { set: args.set.clone(), ..Changes::default() };
-    let recipe = Recipe::load(&args.recipe, &changes)?;
-    let region = recipe.region(&args.region, args.variant.as_deref())?;
-    let seed = match args.seed {
-        Some(seed) => seed,
-        None => first_seed(&recipe, region.name())?,
-    };
-    if let Some(folder) = args.output.parent().filter(|p| !p.as_os_str().is_empty())
-        && !folder.is_dir()
-    {
-        anyhow::bail!("{} is no folder: create it, or name another place for the picture", folder.display());
-    }
+    let OneScene { recipe, spec } = OneScene::of(&args.scene, &[])?;
+    let (region, seed) = (&spec.region, spec.seed);
+    let output = NewFile::create(&args.output)?;
     let scene = region.build(seed);
     let (held, placed) = scene.triangle_counts();
     tracing::info!(region = region.name(), seed, triangles = held, placed, "scene built");
@@ -43,16 +34,8 @@ pub(crate) fn run(args: &PreviewArgs) -> anyhow::Result<Exit> {
     let bytes = image.bytes().to_vec();
     let pixels = if image.channels == 1 { Pixels::Gray(bytes) } else { Pixels::Rgb(bytes) };
     let picture = Plane { width: image.width, height: image.height, pixels };
-    std::fs::write(&args.output, picture.encode()?)
-        .with_context(|| format!("cannot write the picture to {}", args.output.display()))?;
+    output.finish(&picture.encode()?)?;
     Ok(Exit::Fine)
-}
-
-/// The seed of the recipe's first scene of a region.
-fn first_seed(recipe: &Recipe, region: &str) -> anyhow::Result<u64> {
-    let plan = Plan::new(recipe)?;
-    let scene = plan.scenes.iter().find(|s| s.region.name() == region);
-    scene.map(|s| s.seed).with_context(|| format!("the recipe has no scene of `{region}`: name one with --seed N"))
 }
 
 /// The recipe's camera over the pivot, north up, as many pixels as asked for.

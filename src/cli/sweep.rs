@@ -4,6 +4,7 @@ use super::Exit;
 use super::args::{EvaluateArgs, SweepArgs};
 use super::evaluate::{percent, px};
 use super::generate::{default_jobs, duration_text, stop_on_signals};
+use super::new_file::NewFile;
 use super::output::{bytes_text, sample_bar, write_stdout};
 use super::progress::Progress;
 use anyhow::Context as _;
@@ -59,15 +60,15 @@ fn put_index(args: &SweepArgs, index: &SweepIndex) -> anyhow::Result<()> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => {}
         Err(e) => return Err(e).with_context(|| format!("cannot read {}", file.display())),
     }
-    if let Some(entry) = fs::read_dir(&args.out)?.next() {
+    for entry in fs::read_dir(&args.out)? {
         let name = entry?.file_name();
+        if name.to_string_lossy().starts_with(INDEX) {
+            // What a run that was killed left of its index.
+            continue;
+        }
         anyhow::bail!("{} is not empty: `{}` is no part of a sweep", args.out.display(), name.display());
     }
-    // Written beside and renamed: an index is whole or not there.
-    let unfinished = args.out.join(format!(".{INDEX}"));
-    fs::write(&unfinished, text)
-        .and_then(|()| fs::rename(&unfinished, &file))
-        .with_context(|| format!("cannot write {}", file.display()))
+    NewFile::create(&file)?.finish(text.as_bytes())
 }
 
 fn dry_run(out: &mut dyn Write, sweep: &Sweep, jobs: usize) -> io::Result<()> {

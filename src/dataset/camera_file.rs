@@ -1,6 +1,7 @@
 //! `camera.json`. A format of its own, which stays as it is when the program's cameras change.
 
 use super::formats::HeightMap;
+use super::layer::View;
 use serde::{Deserialize, Serialize};
 
 /// One camera of `camera.json`.
@@ -52,22 +53,26 @@ pub struct CameraFile {
 }
 
 impl CameraFile {
+    /// The world point (m) that a pixel of one view sees, from its disparity (px) and the cameras alone: depth is
+    /// f B / (d + doffs). NaN where the disparity is.
+    pub fn point_m(&self, view: View, pixel: usize, disparity_px: f32) -> [f64; 3] {
+        let camera = if view == View::Left { &self.left } else { &self.right };
+        let depth = camera.fx_px * self.baseline_m / (f64::from(disparity_px) + self.doffs_px);
+        let (u, v) = (pixel % camera.width_px as usize, pixel / camera.width_px as usize);
+        let ray = [(u as f64 - camera.cx_px) / camera.fx_px, (v as f64 - camera.cy_px) / camera.fy_px, 1.0];
+        let along = |row: &[f64; 3]| depth * (row[0] * ray[0] + row[1] * ray[1] + row[2] * ray[2]);
+        core::array::from_fn(|k| camera.position_m[k] + along(&camera.world_from_camera[k]))
+    }
+
     /// Height (m) of each of the left view's points over a surface model below it; NaN where the pixel has no disparity (px)
-    /// or the model no height. The point comes from disparity and cameras: depth is f B / (d + doffs).
+    /// or the model no height.
     pub fn heights_above(&self, ground: &HeightMap, disparity_px: &[f32]) -> Vec<f64> {
-        let left = &self.left;
-        let [cx, cy, cz] = left.position_m;
-        let r = &left.world_from_camera;
         let cell = |at: f64, first: f64, count: u32| {
             let i = ((at - first) / ground.cell_m).round();
             (i >= 0.0 && i < f64::from(count)).then_some(i as usize)
         };
         let height_m = |i: usize| {
-            let depth = left.fx_px * self.baseline_m / (f64::from(disparity_px[i]) + self.doffs_px);
-            let (u, v) = (i % left.width_px as usize, i / left.width_px as usize);
-            let ray = [(u as f64 - left.cx_px) / left.fx_px, (v as f64 - left.cy_px) / left.fy_px, 1.0];
-            let along = |row: &[f64; 3]| depth * (row[0] * ray[0] + row[1] * ray[1] + row[2] * ray[2]);
-            let [x, y, z] = [cx + along(&r[0]), cy + along(&r[1]), cz + along(&r[2])];
+            let [x, y, z] = self.point_m(View::Left, i, disparity_px[i]);
             let column = cell(x, ground.west_m, ground.width)?;
             let row = cell(y, ground.south_m, ground.height)?;
             Some(z - f64::from(ground.heights_m[row * ground.width as usize + column]))

@@ -2,14 +2,13 @@
 
 use super::PipelineError;
 use crate::camera::Datum as RigDatum;
-use crate::dataset::formats::HeightMap;
 use crate::dataset::{SceneFiles, to_json};
 use crate::labels;
 use crate::plan::SceneSpec;
 use crate::recipe::{Datum, Recipe};
 use crate::render::Light;
 use satseed_generators::Region;
-use satseed_scene::{Environment, Raster, Scene};
+use satseed_scene::{Environment, Scene};
 use satseed_tracer::Tracer;
 use serde::Serialize;
 
@@ -125,9 +124,9 @@ impl<'s> BuiltScene<'s> {
         };
         SceneFiles {
             scene_json: to_json(&record),
-            dsm: height_map(models.dsm_m),
-            dtm: height_map(models.dtm_m),
-            ndsm: height_map(models.ndsm_m),
+            dsm: models.dsm_m.into(),
+            dtm: models.dtm_m.into(),
+            ndsm: models.ndsm_m.into(),
         }
     }
 }
@@ -159,17 +158,6 @@ fn parameters(region: &Region) -> serde_json::Value {
     match tagged {
         serde_json::Value::Object(map) => map.into_iter().next().map_or(serde_json::Value::Null, |(_, v)| v),
         other => other,
-    }
-}
-
-fn height_map(raster: Raster<f32>) -> HeightMap {
-    HeightMap {
-        west_m: raster.origin_m.x,
-        south_m: raster.origin_m.y,
-        cell_m: raster.cell_m,
-        width: raster.width as u32,
-        height: raster.height as u32,
-        heights_m: raster.data,
     }
 }
 

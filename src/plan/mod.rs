@@ -159,34 +159,7 @@ const CLEARANCE_M: f64 = 50.0;
 impl Plan {
     /// The plan of a recipe.
     pub fn new(recipe: &Recipe) -> Result<Self, PlanError> {
-        let per_pivot = pairs::per_pivot(recipe.acquisition());
-        let pivots: u64 = recipe.scenes().iter().map(|s| s.pivots.count() as u64).sum();
-        if pivots * per_pivot > MAX_PAIRS {
-            return Err(PlanError::TooManyPairs { pairs: pivots * per_pivot });
-        }
-        let mut scenes: Vec<SceneSpec> = Vec::with_capacity(pivots as usize);
-        // How many pivots of each kind of scene the recipe's seed has numbered so far.
-        let mut numbered: BTreeMap<(&str, String), u64> = BTreeMap::new();
-        for entry in recipe.scenes() {
-            let parameters = parameters_text(&entry.region);
-            let naming = Naming::of(&entry.region, &parameters);
-            let seeds = match &entry.pivots {
-                Pivots::Seeds(seeds) => seeds.clone(),
-                Pivots::Count(n) => {
-                    let first = numbered.entry((entry.region.name(), parameters)).or_insert(0);
-                    let from = *first;
-                    *first += u64::from(*n);
-                    (from..*first).map(|number| recipe.seed() * MAX_PIVOTS + number).collect()
-                }
-            };
-            for seed in seeds {
-                let name = naming.name(seed);
-                let pairs = pairs::of_pivot(recipe, entry.region.name(), seed, &name);
-                let params_hash = naming.params_hash.clone();
-                scenes.push(SceneSpec { name, region: entry.region.clone(), seed, params_hash, pairs });
-            }
-        }
-        refuse_duplicates(&scenes)?;
+        let mut scenes = scenes(recipe)?;
         reach::check(recipe, &scenes)?;
         let notes = split::deal(recipe, &mut scenes);
         Ok(Self { scenes, notes, hash: hash_of("satseed 2026 plan v1", &recipe.to_toml()) })
@@ -212,6 +185,47 @@ impl Plan {
     }
 }
 
+/// The scenes of a recipe with their pairs, all in the training split; whether frames see beyond what stands in full
+/// detail is not looked at, since a scene by itself has no frames.
+pub fn scenes(recipe: &Recipe) -> Result<Vec<SceneSpec>, PlanError> {
+    let per_pivot = pairs::per_pivot(recipe.acquisition());
+    let pivots: u64 = recipe.scenes().iter().map(|s| s.pivots.count() as u64).sum();
+    if pivots * per_pivot > MAX_PAIRS {
+        return Err(PlanError::TooManyPairs { pairs: pivots * per_pivot });
+    }
+    let mut scenes: Vec<SceneSpec> = Vec::with_capacity(pivots as usize);
+    // How many pivots of each kind of scene the recipe's seed has numbered so far.
+    let mut numbered: BTreeMap<(&str, String), u64> = BTreeMap::new();
+    for entry in recipe.scenes() {
+        let parameters = parameters_text(&entry.region);
+        let naming = Naming::of(&entry.region, &parameters);
+        let seeds = match &entry.pivots {
+            Pivots::Seeds(seeds) => seeds.clone(),
+            Pivots::Count(n) => {
+                let first = numbered.entry((entry.region.name(), parameters)).or_insert(0);
+                let from = *first;
+                *first += u64::from(*n);
+                (from..*first).map(|number| recipe.seed() * MAX_PIVOTS + number).collect()
+            }
+        };
+        scenes.extend(seeds.into_iter().map(|seed| naming.scene(recipe, &entry.region, seed)));
+    }
+    refuse_duplicates(&scenes)?;
+    Ok(scenes)
+}
+
+impl SceneSpec {
+    /// A region and a seed with the pairs that the recipe's cameras make of them, whether or not they stand in the recipe.
+    pub fn of(recipe: &Recipe, region: &Region, seed: u64) -> Self {
+        Naming::of(region, &parameters_text(region)).scene(recipe, region, seed)
+    }
+
+    /// Whether all frames see nothing but what stands in full detail, with the cameras above it.
+    pub fn check_frames(&self, recipe: &Recipe) -> Result<(), PlanError> {
+        reach::check(recipe, std::slice::from_ref(self))
+    }
+}
+
 /// What the names of one kind of scene share.
 struct Naming {
     stem: String,
@@ -231,6 +245,12 @@ impl Naming {
     fn name(&self, seed: u64) -> String {
         let Self { stem, params_hash, is_default } = self;
         if *is_default { format!("{stem}-{seed}") } else { format!("{stem}-{seed}-{}", &params_hash[..8]) }
+    }
+
+    fn scene(&self, recipe: &Recipe, region: &Region, seed: u64) -> SceneSpec {
+        let name = self.name(seed);
+        let pairs = pairs::of_pivot(recipe, region.name(), seed, &name);
+        SceneSpec { name, region: region.clone(), seed, params_hash: self.params_hash.clone(), pairs }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Arrays of wider values and height maps: TIFF and `GeoTIFF`, deflate 6 with a predictor.
 
 use super::{FormatError, PixelKind, Pixels, Plane};
+use satseed_scene::Raster;
 use std::io::Cursor;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag as ReadTag;
@@ -198,6 +199,20 @@ pub fn decode_height_map(bytes: &[u8], max_cells: usize) -> Result<HeightMap, Fo
             heights_m: flipped(&v, width as usize),
         }),
         _ => Err(failed("it is no map of 32-bit floats")),
+    }
+}
+
+/// A scene's raster, post by post.
+impl From<Raster<f32>> for HeightMap {
+    fn from(raster: Raster<f32>) -> Self {
+        Self {
+            west_m: raster.origin_m.x,
+            south_m: raster.origin_m.y,
+            cell_m: raster.cell_m,
+            width: raster.width as u32,
+            height: raster.height as u32,
+            heights_m: raster.data,
+        }
     }
 }
 
