@@ -11,12 +11,16 @@ pub(crate) type Made<'py> = (String, Bound<'py, PyDict>);
 
 /// Hands a sample over; no array is copied.
 pub(crate) fn sample(py: Python<'_>, sample: Sample) -> PyResult<Made<'_>> {
-    let facts = serde_json::json!({ "identity": sample.identity, "camera": sample.camera });
+    // As text, not as a `Value`: that would turn f32 into f64, whose digits differ from the files'.
+    let text = |part: Result<String, serde_json::Error>| part.map_err(|e| crate::GenerateError::new_err(e.to_string()));
+    let identity = text(serde_json::to_string(&sample.identity))?;
+    let camera = text(serde_json::to_string(&sample.camera))?;
+    let facts = format!("{{\"identity\":{identity},\"camera\":{camera}}}");
     let arrays = PyDict::new(py);
     for (layer, view, plane) in sample.planes {
         arrays.set_item(layer.key(view), array(py, plane)?)?;
     }
-    Ok((facts.to_string(), arrays))
+    Ok((facts, arrays))
 }
 
 /// (rows, columns), or (rows, columns, bands) where a pixel has several values.

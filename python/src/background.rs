@@ -16,11 +16,12 @@ pub(crate) fn run<T: Send + 'static>(py: Python<'_>, work: impl FnOnce() -> T + 
     thread.map_err(|e| crate::GenerateError::new_err(format!("cannot start a thread: {e}")))?;
     let result = std::sync::Mutex::new(result);
     loop {
-        let received = py.detach(|| result.lock().map(|r| r.recv_timeout(LOOK_UP)));
+        // Nobody else locks it: it is there since a receiver may not be shared, which the lock's release asks for.
+        let received = py.detach(|| result.lock().ok().map(|r| r.recv_timeout(LOOK_UP)));
         match received {
-            Ok(Ok(made)) => return Ok(made),
-            Ok(Err(RecvTimeoutError::Timeout)) => py.check_signals()?,
-            Ok(Err(RecvTimeoutError::Disconnected)) | Err(_) => {
+            Some(Ok(made)) => return Ok(made),
+            Some(Err(RecvTimeoutError::Timeout)) => py.check_signals()?,
+            Some(Err(RecvTimeoutError::Disconnected)) | None => {
                 return Err(crate::GenerateError::new_err("the work panicked: this is a bug in satseed"));
             }
         }

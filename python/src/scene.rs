@@ -69,9 +69,12 @@ impl Scene {
         }
         let (kept, pool) = (Arc::clone(&self.kept), Arc::clone(&self.pool));
         let made = background::run(py, move || {
-            pool.install(|| make_sample(kept.borrow_dependent(), &kept.borrow_owner().spec.pairs[pair]))
+            let mut made = pool.install(|| make_sample(kept.borrow_dependent(), &kept.borrow_owner().spec.pairs[pair]))?;
+            // The camera file tells the range of disparities, which writing a sample counts.
+            Ok::<_, PipelineError>(made.count().map(|_| made))
         })?;
-        arrays::sample(py, made.map_err(|e| failed(&e))?)
+        let counted = made.map_err(|e| failed(&e))?;
+        arrays::sample(py, counted.map_err(|e| GenerateError::new_err(e.to_string()))?)
     }
 }
 
