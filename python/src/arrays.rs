@@ -26,19 +26,6 @@ pub(crate) fn sample(py: Python<'_>, sample: Sample) -> PyResult<Made<'_>> {
 /// (rows, columns), or (rows, columns, bands) where a pixel has several values.
 fn array(py: Python<'_>, plane: Plane) -> PyResult<Bound<'_, PyAny>> {
     let (h, w) = (plane.height as usize, plane.width as usize);
-    fn shaped<T: numpy::Element>(
-        py: Python<'_>,
-        values: Vec<T>,
-        shape: [usize; 2],
-        bands: usize,
-    ) -> PyResult<Bound<'_, PyAny>> {
-        let flat = values.into_pyarray(py);
-        Ok(if bands == 1 {
-            flat.reshape(shape)?.into_any()
-        } else {
-            flat.reshape([shape[0], shape[1], bands])?.into_any()
-        })
-    }
     match plane.pixels {
         Pixels::Gray(v) => shaped(py, v, [h, w], 1),
         Pixels::Rgb(v) => shaped(py, v, [h, w], 3),
@@ -49,4 +36,14 @@ fn array(py: Python<'_>, plane: Plane) -> PyResult<Bound<'_, PyAny>> {
         Pixels::Counts(n, v) => shaped(py, v, [h, w], n.into()),
         Pixels::Radiance(n, v) | Pixels::SceneLinear(n, v) => shaped(py, v, [h, w], n.into()),
     }
+}
+
+fn shaped<T: numpy::Element>(
+    py: Python<'_>,
+    values: Vec<T>,
+    shape: [usize; 2],
+    bands: usize,
+) -> PyResult<Bound<'_, PyAny>> {
+    let flat = values.into_pyarray(py);
+    Ok(if bands == 1 { flat.reshape(shape)?.into_any() } else { flat.reshape([shape[0], shape[1], bands])?.into_any() })
 }

@@ -15,6 +15,7 @@ pub(crate) struct Dataset {
 }
 
 #[pymethods]
+#[allow(clippy::needless_pass_by_value)] // Arguments come out of Python as values.
 impl Dataset {
     #[new]
     fn new(folder: PathBuf) -> PyResult<Self> {

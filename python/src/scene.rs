@@ -35,12 +35,21 @@ pub(crate) struct Scene {
 #[pymethods]
 impl Scene {
     #[new]
-    fn new(py: Python<'_>, recipe_text: &str, set: Vec<String>, seed: Option<u64>, index: usize, threads: usize) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        recipe_text: &str,
+        set: Vec<String>,
+        seed: Option<u64>,
+        index: usize,
+        threads: usize,
+    ) -> PyResult<Self> {
         let recipe = recipe(recipe_text, set, seed)?;
         let plan = Plan::new(&recipe).map_err(|e| RecipeError::new_err(e.to_string()))?;
         let count = plan.scenes.len();
         let Some(spec) = plan.scenes.into_iter().nth(index) else {
-            return Err(RecipeError::new_err(format!("the recipe has {count} scenes, so there is none of index {index}")));
+            return Err(RecipeError::new_err(format!(
+                "the recipe has {count} scenes, so there is none of index {index}"
+            )));
         };
         let pool = Arc::new(thread_pool(threads).map_err(|e| failed(&e))?);
         let (name, pairs) = (spec.name.clone(), spec.pairs.iter().map(|p| p.id.clone()).collect());
@@ -65,11 +74,14 @@ impl Scene {
     fn sample<'py>(&self, py: Python<'py>, pair: usize) -> PyResult<arrays::Made<'py>> {
         if pair >= self.pairs.len() {
             let (name, count) = (&self.name, self.pairs.len());
-            return Err(RecipeError::new_err(format!("scene {name} has {count} pairs, so there is none of index {pair}")));
+            return Err(RecipeError::new_err(format!(
+                "scene {name} has {count} pairs, so there is none of index {pair}"
+            )));
         }
         let (kept, pool) = (Arc::clone(&self.kept), Arc::clone(&self.pool));
         let made = background::run(py, move || {
-            let mut made = pool.install(|| make_sample(kept.borrow_dependent(), &kept.borrow_owner().spec.pairs[pair]))?;
+            let mut made =
+                pool.install(|| make_sample(kept.borrow_dependent(), &kept.borrow_owner().spec.pairs[pair]))?;
             // The camera file tells the range of disparities, which writing a sample counts.
             Ok::<_, PipelineError>(made.count().map(|_| made))
         })?;

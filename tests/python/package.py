@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Tests the Python package: the same arrays as the files, refusals, threads, pickling, fork; with torch, the data sets.
 
-    python tests/python/package.py DATASET      (satseed importable; NumPy, Pillow, tifffile; torch where it is there)
+    python tests/python/package.py DATASET [torch]     (satseed importable; NumPy, Pillow, tifffile; torch where it is there)
+
+`torch` runs the tests of the torch data sets alone.
 """
 
 import concurrent.futures
@@ -161,8 +163,9 @@ def streams():
     refused(satseed.RecipeError, "rank is 0 to 1", lambda: stream(rank=2, world_size=2))
 
 
-against_files()
-refusals()
-scenes()
+if sys.argv[2:] != ["torch"]:
+    against_files()
+    refusals()
+    scenes()
 streams()
 print(f"{checks} passed, 0 failed")
