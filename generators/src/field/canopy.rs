@@ -17,7 +17,10 @@ pub(super) const SIDE: u16 = 1;
 /// Distance of a sheet's vertices, m.
 const STEP_M: f64 = 2.4;
 /// From the middle of a tramline to that of a wheel's track, and half the track's width, m.
-const WHEEL_M: [f64; 2] = [1.0, 0.23];
+const WHEEL_M: [f64; 2] = [1.0, 0.26];
+/// How tightly a sprayer turns, m, and the chords of the turn.
+const TURN_M: f64 = 6.5;
+const ARC: usize = 4;
 /// How far the sides go below the ground, m.
 const ROOT_M: f64 = 0.35;
 /// From a parcel's outline to its crop, m.
@@ -27,14 +30,14 @@ pub(super) const RIM_M: f64 = 0.35;
 pub(super) fn sheets(relief: &Relief, parcel: &Parcel) -> Vec<Mesh> {
     let Form::Slab { height_m, boom_m, .. } = parcel.crop.facts().form else { return Vec::new() };
     let cereal = matches!(parcel.crop, Crop::WheatGreen | Crop::WheatRipe | Crop::Barley);
-    let canopy = Canopy { relief, height_m, cereal };
+    let canopy = Canopy { relief, height_m, cereal, drilled: boom_m > 0.0 };
     let mut meshes = Vec::new();
     let mut keep = |points: &[Vec<DVec2>]| {
         if points.iter().flatten().any(|p| relief.is_detailed(*p)) {
             meshes.push(canopy.sheet(points));
         }
     };
-    let mut rim_m = RIM_M;
+    let (mut rim_m, mut turn_m) = (RIM_M, 0.0);
     let [wheel, half] = WHEEL_M;
     if boom_m > 0.0 {
         // The headland's own tramline runs round the parcel at half a boom.
@@ -42,14 +45,15 @@ pub(super) fn sheets(relief: &Relief, parcel: &Parcel) -> Vec<Mesh> {
         let inner = c + wheel + half;
         if [RIM_M, inner].iter().all(|d| inset(&parcel.outline, *d).is_some()) {
             for [from, to] in [[RIM_M, c - wheel - half], [c - wheel + half, c + wheel - half]] {
-                for ring in ring(relief, parcel, from, to) {
+                for ring in ring(relief, parcel, from, to, c + TURN_M) {
                     keep(&ring);
                 }
             }
             rim_m = inner;
+            turn_m = c + TURN_M - inner;
         }
     }
-    let Some(area) = Area::new(relief, parcel, rim_m) else { return meshes };
+    let Some(area) = Area::new(relief, parcel, rim_m, turn_m) else { return meshes };
     let [low, high] = area.span();
     let mut cuts: Vec<[f64; 2]> = Vec::new();
     if boom_m > 0.0 {
@@ -92,16 +96,34 @@ pub(super) fn inset(outline: &[DVec2], distance_m: f64) -> Option<Vec<DVec2>> {
 }
 
 /// Grids of points over the band between two distances from the outline: one for each edge.
-fn ring(relief: &Relief, parcel: &Parcel, from_m: f64, to_m: f64) -> Vec<Vec<Vec<DVec2>>> {
+/// Corners are rounded so that the radius would be 0 at `turn_m` from the outline; at its rim they stay sharp.
+fn ring(relief: &Relief, parcel: &Parcel, from_m: f64, to_m: f64, turn_m: f64) -> Vec<Vec<Vec<DVec2>>> {
     let (Some(outer), Some(inner)) = (inset(&parcel.outline, from_m), inset(&parcel.outline, to_m)) else {
         return Vec::new();
     };
+    let (outer, inner) = match (from_m > RIM_M).then_some(turn_m - from_m) {
+        Some(radius) => (polygon::rounded(&outer, radius, ARC), polygon::rounded(&inner, turn_m - to_m, ARC)),
+        None => {
+            let inner = polygon::rounded(&inner, turn_m - to_m, ARC);
+            // Every point of an arc faces the same corner.
+            let outer = if inner.len() == outer.len() * (ARC + 1) {
+                outer.iter().flat_map(|p| [*p; ARC + 1]).collect()
+            } else {
+                outer
+            };
+            (outer, inner)
+        }
+    };
+    if outer.len() != inner.len() {
+        return Vec::new();
+    }
     let n = outer.len();
     let rows = libm::ceil((to_m - from_m) / STEP_M).max(1.0) as usize;
     (0..n)
         .map(|k| {
             let m = (k + 1) % n;
-            let columns = libm::ceil(outer[k].distance(outer[m]) / STEP_M).max(1.0) as usize;
+            let longer = outer[k].distance(outer[m]).max(inner[k].distance(inner[m]));
+            let columns = libm::ceil(longer / STEP_M).max(1.0) as usize;
             (0..=rows)
                 .map(|j| {
                     let t = j as f64 / rows as f64;
@@ -121,12 +143,13 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// None where nothing is left.
-    pub(super) fn new(relief: &Relief, parcel: &Parcel, distance_m: f64) -> Option<Self> {
+    /// None where nothing is left. Corners are rounded with a radius `turn_m`.
+    pub(super) fn new(relief: &Relief, parcel: &Parcel, distance_m: f64, turn_m: f64) -> Option<Self> {
         let inner = match inset(&parcel.outline, distance_m) {
             Some(inner) => inner,
             None => polygon::inset(&parcel.outline, distance_m)?,
         };
+        let inner = if turn_m > 0.0 { polygon::rounded(&inner, turn_m, ARC) } else { inner };
         let axis = parcel.axis;
         let local = polygon::subdivided(&inner, 5.0)
             .iter()
@@ -173,10 +196,11 @@ impl Area {
         let mut run: Vec<(f64, [f64; 2])> = Vec::new();
         let mut finish = |run: &mut Vec<(f64, [f64; 2])>| {
             if run.len() > 1 {
-                let longest = run.iter().map(|(_, [a, b])| b - a).fold(0.0, f64::max);
-                let columns = libm::ceil(longest / STEP_M).max(1.0) as usize;
+                // Columns stand on one grid for all strips; a row's ends cut it short.
+                let (low, high) = run.iter().fold((f64::MAX, f64::MIN), |(l, h), (_, [a, b])| (l.min(*a), h.max(*b)));
+                let (first, last) = (libm::floor(low / STEP_M) as i64, libm::ceil(high / STEP_M) as i64);
                 let row = |(v, [a, b]): &(f64, [f64; 2])| -> Vec<DVec2> {
-                    (0..=columns).map(|i| self.world(a + (b - a) * i as f64 / columns as f64, *v)).collect()
+                    (first..=last).map(|k| self.world((k as f64 * STEP_M).clamp(*a, *b), *v)).collect()
                 };
                 grids.push(run.iter().map(row).collect());
             }
@@ -198,6 +222,8 @@ struct Canopy<'a> {
     relief: &'a Relief,
     height_m: f64,
     cereal: bool,
+    /// In strips between tramlines; else its strips meet.
+    drilled: bool,
 }
 
 impl Canopy<'_> {
@@ -220,12 +246,17 @@ impl Canopy<'_> {
         let columns = points[0].len();
         let rows = points.len();
         let e = 0.7;
-        for p in points.iter().flatten() {
-            let p = Relief::on_lattice(*p);
-            let d = |x: f64, y: f64| self.top_m(p + DVec2::new(x, y)) - self.top_m(p - DVec2::new(x, y));
-            let normal = DVec3::new(-d(e, 0.0), -d(0.0, e), 2.0 * e).normalize();
-            mesh.positions_m.push([p.x as f32, p.y as f32, quantise_m(self.top_m(p))]);
-            mesh.normals.push(normal.as_vec3().to_array());
+        for (j, row) in points.iter().enumerate() {
+            for (i, p) in row.iter().enumerate() {
+                let p = Relief::on_lattice(*p);
+                let d = |x: f64, y: f64| self.top_m(p + DVec2::new(x, y)) - self.top_m(p - DVec2::new(x, y));
+                let normal = DVec3::new(-d(e, 0.0), -d(0.0, e), 2.0 * e).normalize();
+                // Plants at a rim lean out and are lower.
+                let at_rim = self.drilled && (i == 0 || j == 0 || i + 1 == columns || j + 1 == rows);
+                let plants_m = self.plants_m(p) * if at_rim { 0.84 } else { 1.0 };
+                mesh.positions_m.push([p.x as f32, p.y as f32, quantise_m(self.relief.height_m(p) + plants_m)]);
+                mesh.normals.push(normal.as_vec3().to_array());
+            }
         }
         let at = |i: usize, j: usize| (j * columns + i) as u32;
         for j in 0..rows - 1 {

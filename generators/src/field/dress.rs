@@ -161,13 +161,13 @@ const ACROSS: Coordinate = Coordinate { space: Space::Plan, axis: 1 };
 impl Look {
     pub(super) fn new(plan: &Plan, contrast: f64, path: &SeedPath) -> Self {
         let mut rng = path.child("palette").rng();
-        let brown = Bands::new(0.088, 0.122, 0.164, 0.22);
-        let dark = Bands::new(0.060, 0.078, 0.098, 0.15);
-        let pale = Bands::new(0.130, 0.168, 0.210, 0.27);
+        let brown = Bands::new(0.092, 0.124, 0.152, 0.22);
+        let dark = Bands::new(0.062, 0.080, 0.095, 0.15);
+        let pale = Bands::new(0.134, 0.168, 0.196, 0.27);
         let t = rng.range(-0.7, 0.8) as f32;
         let soil = brown.lerp(if t < 0.0 { dark } else { pale }, t.abs());
-        let green = Bands::new(0.060, 0.098, 0.074, 0.31);
-        let dry = Bands::new(0.092, 0.130, 0.142, 0.27);
+        let green = Bands::new(0.052, 0.095, 0.076, 0.31);
+        let dry = Bands::new(0.088, 0.130, 0.138, 0.27);
         let grass = match plan.season {
             Season::Early => green.lerp(dry, rng.range(0.0, 0.35) as f32),
             Season::Late => green.lerp(dry, rng.range(0.2, 0.75) as f32),
@@ -475,7 +475,7 @@ impl Look {
                 ))
             }
             Crop::Yard => {
-                let m = Material::diffuse(facts.name, Class::Ground, self.apart(Bands::new(0.165, 0.186, 0.200, 0.23)));
+                let m = Material::diffuse(facts.name, Class::Ground, self.apart(Bands::new(0.128, 0.146, 0.156, 0.19)));
                 self.common(m)
                     .with(Layer::Mix {
                         color: self.apart(self.soil),
@@ -607,7 +607,7 @@ impl Look {
             m.brdf = Brdf::Leaf { transmission: through };
         }
         let m = self.towers(m, parcel, loam * 0.8);
-        let side = Material::diffuse(facts.name, class, self.apart(green.lerp(loam, 0.3) * 0.8))
+        let side = Material::diffuse(facts.name, class, self.apart(green.lerp(loam, 0.35) * 1.05))
             .rough(0.35)
             .with(self.brightness(Field::world_noise(seed("stems"), 0.6, 2).times(0.25)));
         ParcelLook { crop: m, side }

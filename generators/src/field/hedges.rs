@@ -56,13 +56,13 @@ fn foliage(name: &str, class: Class, path: &SeedPath) -> Material {
     let seed = path.child("leaves").hash_u32();
     Material {
         brdf: Brdf::Leaf { transmission: Bands::new(0.010, 0.034, 0.016, 0.20) },
-        ..Material::diffuse(name, class, Bands::new(0.040, 0.074, 0.048, 0.30))
+        ..Material::diffuse(name, class, Bands::new(0.036, 0.078, 0.050, 0.30))
             .with(Layer::Mix {
-                color: Bands::new(0.056, 0.090, 0.062, 0.32),
+                color: Bands::new(0.048, 0.096, 0.066, 0.32),
                 amount: Field::Variation(0).ramp(-0.3, 0.9),
             })
             .with(Layer::Mix {
-                color: Bands::new(0.066, 0.088, 0.078, 0.26),
+                color: Bands::new(0.058, 0.090, 0.080, 0.26),
                 amount: Field::Variation(2).ramp(0.35, 1.0).times(0.8),
             })
             .with(Layer::Brightness { amount: Field::Variation(1).times(0.18) })
@@ -213,7 +213,7 @@ pub(super) fn within(relief: &Relief, parcel: &Parcel, factor: f64, path: &SeedP
 }
 
 fn orchard(relief: &Relief, parcel: &Parcel, row_m: f64, tree_m: f64, path: &SeedPath) -> Vec<Placed> {
-    let Some(area) = Area::new(relief, parcel, 5.0) else { return Vec::new() };
+    let Some(area) = Area::new(relief, parcel, 5.0, 0.0) else { return Vec::new() };
     let [low, high] = area.span();
     let mut rng = path.rng();
     let [wide, tall] = [rng.range(0.72, 0.98), rng.range(0.55, 0.72)];

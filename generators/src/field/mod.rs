@@ -307,3 +307,6 @@ fn add_object(scene: &mut Scene, path: String, class: Class) -> u32 {
     scene.objects.push(Object { path, class });
     scene.objects.len() as u32 - 1
 }
+
+#[cfg(test)]
+mod tests;

@@ -137,7 +137,7 @@ impl Relief {
 
     /// Where plants are missing, 0 to 1.
     pub(super) fn thin(&self, p: DVec2) -> f64 {
-        smoothstep(0.30, 0.50, fractal(p, self.seeds.thin, 27.0, 4, 0.62))
+        smoothstep(0.36, 0.66, fractal(p, self.seeds.thin, 27.0, 4, 0.62))
     }
 
     /// Factor on roughness.

@@ -4,7 +4,7 @@ use super::canopy::{Area, RIM_M, inset};
 use super::crops::{Crop, Form};
 use super::plan::Parcel;
 use super::relief::Relief;
-use crate::kit::mesh_builder::{MeshBuilder, Wall};
+use crate::kit::mesh_builder::MeshBuilder;
 use crate::kit::scatter::{Placed, variation};
 use crate::kit::terrain::tin::Ground;
 use glam::{DAffine3, DVec2, DVec3};
@@ -235,7 +235,7 @@ pub(super) fn place(relief: &Relief, parcel: &Parcel, stand: &Stand, path: &Seed
     } else {
         stand.bare_m
     };
-    let Some(area) = Area::new(relief, parcel, rim_m) else { return out };
+    let Some(area) = Area::new(relief, parcel, rim_m, 0.0) else { return out };
     let [low, high] = area.span();
     let at = |k: i64| (k as f64 + 0.5) * stand.row_m;
     let (first, last) = (libm::ceil(low / stand.row_m - 0.5) as i64, libm::floor(high / stand.row_m - 0.5) as i64);
@@ -286,7 +286,7 @@ fn single(
     while to - u > 0.8 {
         let length = if to - u >= BLOCK_M[2] { 2 } else { 3 };
         let place = area.world(u, v);
-        if relief.thin(place) < rng.range(0.35, 1.3) {
+        if relief.thin(place) < rng.range(0.3, 2.0) {
             block(relief, parcel, stand, place, parcel.axis, length, rng, out);
         }
         u += BLOCK_M[length];
@@ -316,14 +316,14 @@ fn block(
             let y = (f64::from(row) - 0.5 * f64::from(stand.pass - 1)) * stand.row_m;
             for k in 0..(long / BLOCK_M[2]) as u32 {
                 let place = at + axis.perp() * y + axis * (f64::from(k) * BLOCK_M[2]);
-                if relief.thin(place) < rng.range(0.2, 1.1) {
+                if relief.thin(place) < rng.range(0.15, 1.9) {
                     block(relief, parcel, stand, place, axis, 2, rng, out);
                 }
             }
         }
         return;
     }
-    let growth = 1.0 + 0.16 * relief.vigour(middle).clamp(-1.2, 1.2) - 0.25 * relief.thin(middle);
+    let growth = 1.0 + 0.16 * relief.vigour(middle).clamp(-1.2, 1.2) - 0.5 * relief.thin(middle);
     let width_m = if length < 2 { stand.pass_m() } else { 0.6 };
     out.push(Placed {
         at_m: at,
@@ -344,10 +344,9 @@ fn headland(relief: &Relief, parcel: &Parcel, stand: &Stand, distance_m: f64, pa
         let (a, b) = (line[k], line[(k + 1) % n]);
         let along = (b - a).normalize();
         let half = 0.5 * stand.pass_m();
-        let free = a.distance(b) - 2.0 * half;
-        let count = libm::floor(free / BLOCK_M[1]).max(0.0) as u32;
-        // What does not divide stays bare at both corners.
-        let start = half + 0.5 * (free - f64::from(count) * BLOCK_M[1]);
+        // Each edge takes the corner where it begins; what does not divide stays bare at its end.
+        let start = -half;
+        let count = libm::floor((a.distance(b) - half - start) / BLOCK_M[1]).max(0.0) as u32;
         for i in 0..count {
             let s = start + f64::from(i) * BLOCK_M[1];
             let (p, q) = (warp.world(a + along * s), warp.world(a + along * (s + BLOCK_M[1])));
@@ -364,28 +363,10 @@ pub(super) fn bale() -> Mesh {
     b.finish()
 }
 
-/// A stack of square bales, 4 m long.
-pub(super) fn stack(path: &SeedPath) -> Mesh {
-    let mut rng = path.rng();
-    let mut b = MeshBuilder::default();
-    for level in 0..3_u32 {
-        for k in 0..4 {
-            if level == 2 && rng.chance(0.35) {
-                continue;
-            }
-            let centre = DVec2::new((f64::from(k) - 1.5) * 1.22 + 0.05 * rng.signed(), 0.06 * rng.signed());
-            let outline = crate::kit::polygon::oriented_rectangle(centre, DVec2::X, DVec2::new(0.6, 1.15));
-            let low = f64::from(level) * 0.88 - 0.2;
-            b.prism(0, 0, &outline, low, low + 0.89, Wall::PLAIN);
-        }
-    }
-    b.finish()
-}
-
 /// Bales where the baler dropped them: along every second or third pass.
 pub(super) fn bales(relief: &Relief, parcel: &Parcel, path: &SeedPath) -> Vec<Placed> {
     let key = path.index(parcel.code);
-    let Some(area) = Area::new(relief, parcel, 7.0) else { return Vec::new() };
+    let Some(area) = Area::new(relief, parcel, 7.0, 0.0) else { return Vec::new() };
     let mut rng = key.rng();
     let spacing = rng.range(26.0, 44.0);
     let [low, high] = area.span();
@@ -430,9 +411,8 @@ mod tests {
 
     #[test]
     fn straw_is_closed_and_lies_in_the_ground() {
-        for m in [bale(), stack(&SeedPath::root("stack", 1))] {
-            assert_eq!((m.validate(), open_edges(&m)), (Ok(()), 0));
-            assert!(m.bounds_m().unwrap().0.z < -0.05);
-        }
+        let m = bale();
+        assert_eq!((m.validate(), open_edges(&m)), (Ok(()), 0));
+        assert!(m.bounds_m().unwrap().0.z < -0.05);
     }
 }
