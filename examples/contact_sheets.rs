@@ -35,7 +35,8 @@ fn main() -> anyhow::Result<()> {
                 p.variant = [Variant::Linear, Variant::Barchan, Variant::Transverse][seed as usize % 3];
             }
             if let Region::Field(p) = &mut region {
-                p.variant = [field::Variant::European, field::Variant::European, field::Variant::Pivot][seed as usize % 3];
+                p.variant =
+                    [field::Variant::European, field::Variant::European, field::Variant::Pivot][seed as usize % 3];
             }
             let scene = region.build(seed);
             scene.validate()?;

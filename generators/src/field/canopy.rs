@@ -60,8 +60,13 @@ pub(super) fn sheets(relief: &Relief, parcel: &Parcel) -> Vec<Mesh> {
         let mut from = low;
         let first = libm::floor(low / boom_m) as i64;
         for k in first..=libm::ceil(high / boom_m) as i64 {
+            let middle = (k as f64 + 0.5) * boom_m;
+            // A line too near the headland's own would be driven twice.
+            if middle - low < 0.3 * boom_m || high - middle < 0.3 * boom_m {
+                continue;
+            }
             for side in [-wheel, wheel] {
-                let at = (k as f64 + 0.5) * boom_m + side;
+                let at = middle + side;
                 if at - half > low && at + half < high {
                     cuts.push([from, at - half]);
                     from = at + half;
@@ -95,28 +100,50 @@ pub(super) fn inset(outline: &[DVec2], distance_m: f64) -> Option<Vec<DVec2>> {
     kept.then_some(moved)
 }
 
+/// Which corners turn by more than some 14 degrees.
+fn sharp_corners(outline: &[DVec2]) -> Vec<bool> {
+    let n = outline.len();
+    (0..n)
+        .map(|i| {
+            let (a, p, b) = (outline[(i + n - 1) % n], outline[i], outline[(i + 1) % n]);
+            (p - a).normalize().dot((b - p).normalize()) < 0.97
+        })
+        .collect()
+}
+
+/// A convex outline with arcs of [`ARC`] chords at its sharp corners; as many points whatever the radius.
+fn rounded(outline: &[DVec2], sharp: &[bool], radius_m: f64) -> Vec<DVec2> {
+    let n = outline.len();
+    let mut out = Vec::with_capacity(n + ARC * sharp.len());
+    for i in 0..n {
+        let (a, p, b) = (outline[(i + n - 1) % n], outline[i], outline[(i + 1) % n]);
+        if !sharp[i] {
+            out.push(p);
+            continue;
+        }
+        let (u, v) = ((a - p).normalize(), (b - p).normalize());
+        let cos = u.dot(v).clamp(-1.0, 1.0);
+        // Half the corner's angle by the half-angle formulas.
+        let tan_half = ((1.0 - cos) / (1.0 + cos)).sqrt().max(0.2);
+        let reach = (radius_m / tan_half).min(0.4 * a.distance(p)).min(0.4 * p.distance(b));
+        let (from, to) = (p + u * reach, p + v * reach);
+        for s in 0..=ARC {
+            let t = s as f64 / ARC as f64;
+            out.push(from * ((1.0 - t) * (1.0 - t)) + p * (2.0 * t * (1.0 - t)) + to * (t * t));
+        }
+    }
+    out
+}
+
 /// Grids of points over the band between two distances from the outline: one for each edge.
 /// Corners are rounded so that the radius would be 0 at `turn_m` from the outline; at its rim they stay sharp.
 fn ring(relief: &Relief, parcel: &Parcel, from_m: f64, to_m: f64, turn_m: f64) -> Vec<Vec<Vec<DVec2>>> {
     let (Some(outer), Some(inner)) = (inset(&parcel.outline, from_m), inset(&parcel.outline, to_m)) else {
         return Vec::new();
     };
-    let (outer, inner) = match (from_m > RIM_M).then_some(turn_m - from_m) {
-        Some(radius) => (polygon::rounded(&outer, radius, ARC), polygon::rounded(&inner, turn_m - to_m, ARC)),
-        None => {
-            let inner = polygon::rounded(&inner, turn_m - to_m, ARC);
-            // Every point of an arc faces the same corner.
-            let outer = if inner.len() == outer.len() * (ARC + 1) {
-                outer.iter().flat_map(|p| [*p; ARC + 1]).collect()
-            } else {
-                outer
-            };
-            (outer, inner)
-        }
-    };
-    if outer.len() != inner.len() {
-        return Vec::new();
-    }
+    let radius = |d: f64| if d > RIM_M { turn_m - d } else { 0.0 };
+    let sharp = sharp_corners(&parcel.outline);
+    let (outer, inner) = (rounded(&outer, &sharp, radius(from_m)), rounded(&inner, &sharp, radius(to_m)));
     let n = outer.len();
     let rows = libm::ceil((to_m - from_m) / STEP_M).max(1.0) as usize;
     (0..n)
@@ -149,7 +176,7 @@ impl Area {
             Some(inner) => inner,
             None => polygon::inset(&parcel.outline, distance_m)?,
         };
-        let inner = if turn_m > 0.0 { polygon::rounded(&inner, turn_m, ARC) } else { inner };
+        let inner = if turn_m > 0.0 { rounded(&inner, &sharp_corners(&inner), turn_m) } else { inner };
         let axis = parcel.axis;
         let local = polygon::subdivided(&inner, 5.0)
             .iter()
@@ -253,7 +280,7 @@ impl Canopy<'_> {
                 let normal = DVec3::new(-d(e, 0.0), -d(0.0, e), 2.0 * e).normalize();
                 // Plants at a rim lean out and are lower.
                 let at_rim = self.drilled && (i == 0 || j == 0 || i + 1 == columns || j + 1 == rows);
-                let plants_m = self.plants_m(p) * if at_rim { 0.84 } else { 1.0 };
+                let plants_m = self.plants_m(p) * if at_rim { 0.74 } else { 1.0 };
                 mesh.positions_m.push([p.x as f32, p.y as f32, quantise_m(self.relief.height_m(p) + plants_m)]);
                 mesh.normals.push(normal.as_vec3().to_array());
             }

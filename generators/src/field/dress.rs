@@ -544,7 +544,9 @@ impl Look {
         let key = self.path.child("parcel").index(parcel.code);
         let seed = |name: &str| key.child(name).hash_u32();
         let mut rng = key.child("crop").rng();
-        let green = self.green(parcel);
+        // Leaves that stand as geometry throw their own shadows; a canopy's colour holds them.
+        let leaf = if matches!(facts.form, Form::Rows { .. }) { 1.5 } else { 1.0 };
+        let green = self.green(parcel) * leaf;
         let loam = self.loam(parcel);
         let axis = parcel.axis;
         let base = Material::diffuse(facts.name, class, self.apart(green)).rough(0.35);
@@ -581,8 +583,8 @@ impl Look {
                 amount: raster(channel::THIN).times(0.6 * growth),
             });
             if matches!(parcel.crop, Crop::WheatGreen | Crop::WheatRipe | Crop::Barley) {
-                m = m.with(self.brightness(raster(channel::LODGED).times(0.15))).with(self.brightness(
-                    product(vec![raster(channel::LODGED), self.noise(seed("swirl"), 3.1, 3, 0.8)]).times(0.35),
+                m = m.with(self.brightness(raster(channel::LODGED).times(0.08))).with(self.brightness(
+                    product(vec![raster(channel::LODGED), self.noise(seed("swirl"), 3.1, 3, 0.8)]).times(0.22),
                 ));
             }
             // The rim is thinner: shade, weeds, a turned wheel.

@@ -56,13 +56,13 @@ fn foliage(name: &str, class: Class, path: &SeedPath) -> Material {
     let seed = path.child("leaves").hash_u32();
     Material {
         brdf: Brdf::Leaf { transmission: Bands::new(0.010, 0.034, 0.016, 0.20) },
-        ..Material::diffuse(name, class, Bands::new(0.036, 0.078, 0.050, 0.30))
+        ..Material::diffuse(name, class, Bands::new(0.045, 0.098, 0.064, 0.34))
             .with(Layer::Mix {
-                color: Bands::new(0.048, 0.096, 0.066, 0.32),
+                color: Bands::new(0.058, 0.118, 0.084, 0.36),
                 amount: Field::Variation(0).ramp(-0.3, 0.9),
             })
             .with(Layer::Mix {
-                color: Bands::new(0.058, 0.090, 0.080, 0.26),
+                color: Bands::new(0.070, 0.110, 0.098, 0.30),
                 amount: Field::Variation(2).ramp(0.35, 1.0).times(0.8),
             })
             .with(Layer::Brightness { amount: Field::Variation(1).times(0.18) })
@@ -185,7 +185,7 @@ fn planted(
     path: String,
 ) -> Placed {
     let p = Relief::on_lattice(p);
-    let z = f64::from(quantise_m(lowest(relief, p, radius_m)));
+    let z = f64::from(quantise_m(lowest(relief, p, radius_m))) - 0.0625;
     let turn = DMat3::from_cols(axis.extend(0.0), axis.perp().extend(0.0), DVec3::Z);
     Placed {
         at_m: p,

@@ -132,7 +132,7 @@ impl Relief {
 
     /// Where wind and rain laid cereals flat, 0 to 1.
     pub(super) fn lodged(&self, p: DVec2) -> f64 {
-        smoothstep(0.30, 0.42, fractal(p, self.seeds.lodged, 34.0, 4, 0.55))
+        smoothstep(0.38, 0.50, fractal(p, self.seeds.lodged, 34.0, 4, 0.55))
     }
 
     /// Where plants are missing, 0 to 1.
@@ -157,6 +157,15 @@ impl Ground for Relief {
         if g.x >= 0.0 && g.y >= 0.0 && g.x <= last && g.y <= last {
             return self.window.bilinear(p);
         }
-        self.exact_m(p)
+        // Beyond it the same posts, so that no place knows where the window ends.
+        let low = g.floor();
+        let (u, v) = (g.x - low.x, g.y - low.y);
+        let post = |i: f64, j: f64| {
+            let p = self.window.origin_m + (low + DVec2::new(i, j)) * POST_M;
+            f64::from(self.exact_m(p) as f32)
+        };
+        let south = post(0.0, 0.0) + (post(1.0, 0.0) - post(0.0, 0.0)) * u;
+        let north = post(0.0, 1.0) + (post(1.0, 1.0) - post(0.0, 1.0)) * u;
+        south + (north - south) * v
     }
 }

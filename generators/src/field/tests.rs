@@ -242,7 +242,9 @@ fn a_crop_is_a_part_of_the_whole() {
     for variant in VARIANTS {
         let [crop, whole] = [60.0, 150.0].map(|radius_m| build(&params(radius_m, variant), root(5)));
         assert_eq!(crop.pivot_height_m.to_bits(), whole.pivot_height_m.to_bits());
-        let ground = |s: &Scene| format!("{:?}", s.material_sets[0].iter().map(|m| &s.materials[*m as usize]).collect::<Vec<_>>());
+        let ground = |s: &Scene| {
+            format!("{:?}", s.material_sets[0].iter().map(|m| &s.materials[*m as usize]).collect::<Vec<_>>())
+        };
         assert_eq!(ground(&crop), ground(&whole));
         let corner = |mesh: &Mesh| {
             mesh.positions_m.iter().fold([f32::MAX; 2], |low, p| [low[0].min(p[0]), low[1].min(p[1])]).map(f32::to_bits)
@@ -271,7 +273,11 @@ fn a_crop_is_a_part_of_the_whole() {
         };
         let (few, many) = (things(&crop), things(&whole));
         assert!(few.len() > 60, "{variant:?}: {} things", few.len());
-        assert!(few == many, "{variant:?}: what stands on the crop differs: {:?}", few.symmetric_difference(&many).next());
+        assert!(
+            few == many,
+            "{variant:?}: what stands on the crop differs: {:?}",
+            few.symmetric_difference(&many).next()
+        );
         for k in 0..128 * 128 {
             let p = DVec2::new(f64::from(k % 128) - 64.0, f64::from(k / 128) - 64.0) * 1.9;
             for footprint_m in [1.0, 4.0] {
@@ -331,7 +337,9 @@ fn contrast_of(scene: &Scene) -> (f64, f64) {
     let painted: Vec<&Material> = scene
         .materials
         .iter()
-        .filter(|m| !matches!(m.class, Class::Tree | Class::Vehicle | Class::Roof | Class::Facade | Class::OtherStructure))
+        .filter(|m| {
+            !matches!(m.class, Class::Tree | Class::Vehicle | Class::Roof | Class::Facade | Class::OtherStructure)
+        })
         .filter(|m| !m.name.starts_with("hedge"))
         .collect();
     for k in 0..n {
@@ -356,7 +364,8 @@ fn contrast_of(scene: &Scene) -> (f64, f64) {
 
 #[test]
 fn texture_contrast_goes_down_to_nothing() {
-    let found = [0.0, 0.5, 1.0, 2.0].map(|contrast| contrast_of(&build(&bare(|p| p.texture_contrast = contrast), root(3))));
+    let found =
+        [0.0, 0.5, 1.0, 2.0].map(|contrast| contrast_of(&build(&bare(|p| p.texture_contrast = contrast), root(3))));
     assert!(found[0].0 < 1e-4 && found[0].1 < 1e-6, "{found:?}");
     assert_rises("deviation of the colour", &found.map(|f| f.0));
     assert_rises("tilt of the normals", &found.map(|f| f.1));
