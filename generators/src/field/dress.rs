@@ -259,7 +259,7 @@ impl Look {
             Field::Max(vec![arm(1.0), arm(-1.0)])
         };
         let edge = CARRIAGEWAY_M as f32;
-        let lane = Material::diffuse("lane", Class::Road, self.apart(Bands::new(0.112, 0.124, 0.134, 0.15))).rough(0.4);
+        let lane = Material::diffuse("lane", Class::Road, self.apart(Bands::new(0.106, 0.122, 0.126, 0.14))).rough(0.4);
         let lane = self
             .common(lane)
             .with(self.brightness(on(1.0, 0.35, 0.3).times(-0.10)))
@@ -274,7 +274,7 @@ impl Look {
                         stagger: 0.4,
                     }
                     .ramp(0.86, 0.9)
-                    .times(-0.22),
+                    .times(-0.11),
                 ),
             )
             .with(Layer::Mix { color: self.apart(self.soil), amount: raster(channel::WEEDS).times(0.35) })

@@ -103,11 +103,11 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
     let mut rng = path.rng();
     let wild = rng.unit();
     let style = Style {
-        width: rng.range(0.85, 1.35),
+        width: rng.range(0.9, 1.45),
         height: if wild < 0.55 { rng.range(0.75, 1.0) } else { rng.range(1.0, 1.7) },
         gaps: if rng.chance(0.3) { rng.range(0.05, 0.22) } else { 0.015 },
         wild,
-        tree_m: rng.range(17.0, 55.0),
+        tree_m: rng.range(15.0, 44.0),
     };
     // How many trees in how many metres, and how far from the middle line they stand.
     let (tree_m, away_m) = match border.edge {
@@ -156,7 +156,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
         let q = a + along * s + along.perp() * (away_m * side + 0.3 * rng.signed());
         let p = plan.warp.world(q);
         if relief.is_detailed(p) && plan.is_clear(q, Some(index), 0.5) && (s - gate).abs() > 4.0 {
-            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.65, 1.45], &mut rng, format!("tree/{index}/{k}")));
+            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.75, 1.7], &mut rng, format!("tree/{index}/{k}")));
         }
         k += 1;
         s += tree_m * rng.range(0.55, 1.6);
