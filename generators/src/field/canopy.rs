@@ -215,10 +215,16 @@ impl Area {
     fn strip(&self, from: f64, to: f64) -> Vec<Vec<Vec<DVec2>>> {
         let rows = libm::ceil((to - from) / STEP_M).max(1.0) as usize;
         let [low, high] = self.span();
-        let lines: Vec<(f64, Option<[f64; 2]>)> = (0..=rows)
-            .map(|j| from + (to - from) * j as f64 / rows as f64)
-            .map(|v| (v, self.stretch(v.clamp(low + 0.02, high - 0.02))))
-            .collect();
+        let at = |v: f64| self.stretch(v.clamp(low + 0.02, high - 0.02)).filter(|[a, b]| b - a > 0.4);
+        let mut lines: Vec<(f64, Option<[f64; 2]>)> = Vec::new();
+        for j in 0..=rows {
+            let v = from + (to - from) * j as f64 / rows as f64;
+            let line = (v, at(v));
+            if let Some(before) = lines.last().copied() {
+                between(before, line, &at, &mut lines);
+            }
+            lines.push(line);
+        }
         let mut grids = Vec::new();
         let mut run: Vec<(f64, [f64; 2])> = Vec::new();
         let mut finish = |run: &mut Vec<(f64, [f64; 2])>| {
@@ -235,13 +241,33 @@ impl Area {
         };
         for (v, stretch) in lines {
             match stretch {
-                Some([a, b]) if b - a > 0.4 => run.push((v, [a, b])),
-                _ => finish(&mut run),
+                Some(stretch) => run.push((v, stretch)),
+                None => finish(&mut run),
             }
         }
         finish(&mut run);
         grids
     }
+}
+
+/// Adds lines between two whose ends lie far apart: else long triangles would all meet in one point, their boxes one
+/// within the other, of which a tree of boxes makes a chain.
+fn between(
+    first: (f64, Option<[f64; 2]>),
+    last: (f64, Option<[f64; 2]>),
+    at: &impl Fn(f64) -> Option<[f64; 2]>,
+    lines: &mut Vec<(f64, Option<[f64; 2]>)>,
+) {
+    let (Some(s), Some(t)) = (first.1, last.1) else { return };
+    let shift = (s[0] - t[0]).abs().max((s[1] - t[1]).abs());
+    if shift < 5.0 * STEP_M || last.0 - first.0 < 0.02 {
+        return;
+    }
+    let v = 0.5 * (first.0 + last.0);
+    let middle = (v, at(v));
+    between(first, middle, at, lines);
+    lines.push(middle);
+    between(middle, last, at, lines);
 }
 
 /// A canopy over the ground.

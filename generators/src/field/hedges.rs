@@ -103,17 +103,17 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
     let mut rng = path.rng();
     let wild = rng.unit();
     let style = Style {
-        width: rng.range(0.9, 1.45),
+        width: rng.range(1.05, 1.5),
         height: if wild < 0.55 { rng.range(0.75, 1.0) } else { rng.range(1.0, 1.7) },
         gaps: if rng.chance(0.3) { rng.range(0.05, 0.22) } else { 0.015 },
         wild,
-        tree_m: rng.range(15.0, 44.0),
+        tree_m: rng.range(13.0, 32.0),
     };
     // How many trees in how many metres, and how far from the middle line they stand.
     let (tree_m, away_m) = match border.edge {
         Edge::Hedge => (style.tree_m, 0.3),
-        Edge::Lane if rng.chance(0.55) => (rng.range(30.0, 80.0), 4.6),
-        Edge::Ditch if rng.chance(0.5) => (rng.range(22.0, 70.0), 2.2),
+        Edge::Lane if rng.chance(0.65) => (rng.range(24.0, 60.0), 4.6),
+        Edge::Ditch if rng.chance(0.7) => (rng.range(22.0, 70.0), 2.2),
         Edge::Track if rng.chance(0.4) => (rng.range(35.0, 110.0), 2.3),
         Edge::Margin if rng.chance(0.12) => (rng.range(30.0, 80.0), 0.5),
         _ => (0.0, 0.0),
@@ -156,7 +156,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
         let q = a + along * s + along.perp() * (away_m * side + 0.3 * rng.signed());
         let p = plan.warp.world(q);
         if relief.is_detailed(p) && plan.is_clear(q, Some(index), 0.5) && (s - gate).abs() > 4.0 {
-            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.75, 1.7], &mut rng, format!("tree/{index}/{k}")));
+            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.8, 1.7], &mut rng, format!("tree/{index}/{k}")));
         }
         k += 1;
         s += tree_m * rng.range(0.55, 1.6);
@@ -216,7 +216,7 @@ fn orchard(relief: &Relief, parcel: &Parcel, row_m: f64, tree_m: f64, path: &See
     let Some(area) = Area::new(relief, parcel, 5.0, 0.0) else { return Vec::new() };
     let [low, high] = area.span();
     let mut rng = path.rng();
-    let [wide, tall] = [rng.range(0.72, 0.98), rng.range(0.55, 0.72)];
+    let [wide, tall] = [rng.range(0.72, 0.98), rng.range(0.46, 0.58)];
     let mut out = Vec::new();
     for k in libm::ceil(low / row_m - 0.5) as i64..=libm::floor(high / row_m - 0.5) as i64 {
         let v = (k as f64 + 0.5) * row_m;

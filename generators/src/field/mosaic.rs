@@ -131,7 +131,7 @@ pub(super) fn cut(params: &Params, piece: Tagged, code: u64, roads: bool, path: 
         if area_ha > 90.0 && rng.chance(0.45) { Edge::Lane } else { Edge::Track }
     } else {
         let weights =
-            if area_ha > 2.6 * params.parcel_ha { [0.58, 0.15, 0.18, 0.09] } else { [0.42, 0.09, 0.26, 0.23] };
+            if area_ha > 2.6 * params.parcel_ha { [0.74, 0.11, 0.09, 0.06] } else { [0.62, 0.07, 0.16, 0.15] };
         let [hedge, ditch, margin, furrow] = weights;
         let hedge = hedge * params.hedges.min(1.6);
         [Edge::Hedge, Edge::Ditch, Edge::Margin, Edge::Furrow][rng.weighted(&[hedge, ditch, margin, furrow])]

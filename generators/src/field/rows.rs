@@ -59,7 +59,11 @@ impl Stand {
                 height_m,
                 half_m,
                 foot_m: if crop == Crop::Vines { 0.05 } else { 0.55 * half_m },
-                belly: if crop == Crop::Vines { 0.62 } else { 0.5 },
+                belly: match crop {
+                    Crop::Vines => 0.62,
+                    Crop::MaizeTall => 0.76,
+                    _ => 0.5,
+                },
                 pass,
                 station_m: if crop == Crop::MaizeTall { 0.27 } else { 0.3 },
                 gaps: if crop == Crop::Vines { 0.02 } else { 0.035 },
