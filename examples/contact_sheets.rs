@@ -10,7 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
-use satseed_generators::{Region, desert::Variant};
+use satseed_generators::{Region, desert::Variant, field};
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
 use std::path::Path;
@@ -33,6 +33,10 @@ fn main() -> anyhow::Result<()> {
             // A sheet shows all kinds of dunes.
             if let Region::Desert(p) = &mut region {
                 p.variant = [Variant::Linear, Variant::Barchan, Variant::Transverse][seed as usize % 3];
+            }
+            if let Region::Field(p) = &mut region {
+                p.variant =
+                    [field::Variant::European, field::Variant::European, field::Variant::Pivot][seed as usize % 3];
             }
             let scene = region.build(seed);
             scene.validate()?;

@@ -176,3 +176,63 @@ fn desert() {
     }
     assert!(faults.is_empty(), "{faults:#?}");
 }
+
+/// Hedges, crops and occlusion over a whole frame of each kind of farmland.
+#[test]
+#[ignore = "over a minute a field without optimisation: run by ./check --long"]
+fn field() {
+    use satseed_generators::field::Variant::{European, Pivot};
+    let mut faults = Vec::new();
+    let mut expect = |good: bool, fault: String| {
+        if !good {
+            faults.push(fault);
+        }
+    };
+    for (seed, variant) in [1, 2, 3, 4, 5].into_iter().zip([European, Pivot, European, Pivot, European]) {
+        let mut region = Region::by_name("field").expect("registered");
+        let Region::Field(p) = &mut region else { unreachable!("asked for by name") };
+        p.variant = variant;
+        // A frame's corner and what the baseline shows beyond it.
+        p.radius_m = 560.0;
+        let scene = region.build(seed);
+        let tracer = Tracer::new(&scene);
+        let rig = StereoRig::new(RigSpec {
+            altitude_m: 1000.0,
+            gsd_m: 0.6,
+            size_px: [1024, 1024],
+            baseline_m: 200.0,
+            azimuth_rad: 0.6,
+            pivot_along_baseline: 0.5,
+            pivot_m: DVec3::new(0.0, 0.0, scene.pivot_height_m),
+            datum: Datum::Height(scene.pivot_height_m),
+        });
+        let environment = Environment {
+            sun_elevation_rad: 42.0_f64.to_radians(),
+            sun_azimuth_rad: 145.0_f64.to_radians(),
+            aerosol_optical_depth: 0.12,
+        };
+        let extra = Extra { instance: true, elevation: true, ..Extra::default() };
+        let labels = extract(&tracer, &rig, View::Left, &environment, extra);
+        let hidden = labels.validity.iter().filter(|v| **v == Validity::Occluded as u8).count();
+        let all = labels.validity.len() as f64;
+        let occluded = hidden as f64 / all;
+        let instances = labels.instance.as_ref().expect("asked for");
+        let share = |wanted: &dyn Fn(&str) -> bool| {
+            let seen = |i: &&u32| scene.objects.get(**i as usize).is_some_and(|o| wanted(&o.path));
+            instances.iter().filter(seen).count() as f64 / all
+        };
+        let woody = share(&|path| path.starts_with("hedge/") || path.contains("tree/"));
+        let crops = share(&|path| path.starts_with("parcel/") && !path.contains("tree/"));
+        let heights = labels.elevation_m.as_ref().expect("asked for");
+        let (low, high) = heights.iter().fold((f32::MAX, f32::MIN), |(l, h), z| (l.min(*z), h.max(*z)));
+        eprintln!(
+            "field/{variant:?} {seed}: hedges and trees {woody:.4}, standing crops {crops:.3}, occluded {occluded:.4}, \
+             heights {low:.1} to {high:.1} m"
+        );
+        let least = if variant == European { 0.03 } else { 0.0 };
+        expect((least..=0.10).contains(&woody), format!("seed {seed}: hedges and trees {woody}"));
+        expect(crops > 0.1, format!("seed {seed}: standing crops {crops}"));
+        expect(occluded < 0.03, format!("seed {seed}: occluded {occluded}"));
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}

@@ -173,6 +173,7 @@ fn reduced(name: &str, radius_m: f64) -> Region {
         Region::Canyon(p) => p.radius_m = radius_m,
         Region::Toronto(p) => p.radius_m = radius_m,
         Region::Desert(p) => p.radius_m = radius_m,
+        Region::Field(p) => p.radius_m = radius_m,
     }
     region
 }
@@ -214,4 +215,10 @@ fn full_torontos_are_whole() {
 #[ignore = "long: 5 * 10^7 rays at regions of full size"]
 fn full_deserts_are_whole() {
     full_region("desert");
+}
+
+#[test]
+#[ignore = "long: 5 * 10^7 rays at regions of full size"]
+fn full_fields_are_whole() {
+    full_region("field");
 }

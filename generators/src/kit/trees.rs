@@ -70,7 +70,7 @@ fn direction(rng: &mut Rng) -> DVec3 {
 }
 
 /// An irregular closed lump of leaves: an icosahedron with every corner at a distance of its own.
-fn cluster(b: &mut MeshBuilder, centre: DVec3, radius_m: f64, rng: &mut Rng) {
+pub(crate) fn cluster(b: &mut MeshBuilder, centre: DVec3, radius_m: f64, rng: &mut Rng) {
     const PHI: f64 = 1.618_033_988_749_895;
     const CORNERS: [[f64; 3]; 12] = [
         [-1.0, PHI, 0.0],
