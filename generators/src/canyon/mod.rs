@@ -6,13 +6,14 @@ mod scatter;
 mod strata;
 mod valley;
 
-use crate::kit::terrain::tin::{Breakline, Grain, Ground, Layout, TileMesh, triangulate};
+use crate::kit::terrain::tiling::{Tiling, normal_of_slope, place_terrain};
+use crate::kit::terrain::tin::{Breakline, Grain, Ground, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
 use dress::slot;
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use relief::{Cover, POST_M, Relief};
-use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath, quantise_m};
+use satseed_scene::{Class, Mesh, Object, Scene, SeedPath, quantise_m};
 use serde::{Deserialize, Serialize};
 use strata::Strata;
 use valley::{Channels, Fold, Trunk};
@@ -73,22 +74,14 @@ const TILE_M: f64 = 128.0;
 /// degrees high.
 const RING_M: f64 = 800.0;
 
-fn layout(radius_m: f64) -> (Layout, f64) {
-    let half = |reach: f64| libm::ceil(reach / TILE_M);
-    let tiles = (2.0 * half(radius_m + RING_M)) as usize;
-    let origin_m = DVec2::splat(-half(radius_m + RING_M) * TILE_M);
-    let grains = (0..tiles * tiles)
-        .map(|t| {
-            let low = origin_m + DVec2::new((t % tiles) as f64, (t / tiles) as f64) * TILE_M;
-            let nearest = DVec2::ZERO.clamp(low, low + TILE_M).length();
-            if nearest <= radius_m {
-                Grain { post_m: POST_M, max_error_m: 0.05 }
-            } else {
-                Grain { post_m: 4.0, max_error_m: if nearest < radius_m + 200.0 { 0.5 } else { 1.5 } }
-            }
-        })
-        .collect();
-    (Layout { origin_m, tile_m: TILE_M, columns: tiles, rows: tiles, grains }, half(radius_m) * TILE_M)
+fn tiling(radius_m: f64) -> Tiling {
+    Tiling::new(TILE_M, radius_m, RING_M, |nearest_m| {
+        if nearest_m <= radius_m {
+            Grain { post_m: POST_M, max_error_m: 0.05 }
+        } else {
+            Grain { post_m: 4.0, max_error_m: if nearest_m < radius_m + 200.0 { 0.5 } else { 1.5 } }
+        }
+    })
 }
 
 /// What decides a canyon's shape before there is a post of it.
@@ -116,13 +109,13 @@ impl Landscape {
 
 pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let landscape = Landscape::new(params, &path);
-    let (layout, window_half_m) = layout(params.radius_m);
-    let scene_half_m = -layout.origin_m.x;
+    let tiling = tiling(params.radius_m);
+    let (window_half_m, scene_half_m) = (tiling.window_half_m, tiling.scene_half_m());
     let relief = landscape.relief((window_half_m, scene_half_m), params.roughness, &path);
     let Landscape { strata, fold, trunk, .. } = &landscape;
     let banks = relief.banks(window_half_m + relief::MARGIN_M);
     let river = River::new(&banks);
-    let tiles = triangulate(&layout, &relief, &banks.map(|points_m| Breakline { points_m }));
+    let tiles = triangulate(&tiling.layout, &relief, &banks.map(|points_m| Breakline { points_m }));
     let materials = dress::materials(strata, trunk.is_dry, params.texture_contrast, &path.child("materials"));
     let mut scene = Scene {
         material_sets: vec![(0..materials.len() as u32).collect()],
@@ -134,16 +127,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         ..Scene::default()
     };
     let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(tile, &relief, &river, trunk.is_dry)).collect();
-    for mesh in meshes {
-        scene.instances.push(Instance {
-            mesh: scene.meshes.len() as u32,
-            world_from_object: DAffine3::IDENTITY,
-            object: 0,
-            material_set: 0,
-            variation: [0.0; 4],
-        });
-        scene.meshes.push(mesh);
-    }
+    place_terrain(&mut scene, meshes);
     let reach_m = window_half_m.min(params.radius_m + 60.0);
     scatter::scatter(&mut scene, &relief, reach_m, strata.cliff_colors(), &path.child("scatter"));
     scene
@@ -151,14 +135,8 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
 
 /// A tile with normals of the source raster and the material slot of each triangle.
 fn dressed(tile: TileMesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> Mesh {
-    let normals = tile
-        .positions_m
-        .iter()
-        .map(|p| {
-            let slope = relief.slope(DVec2::new(p[0].into(), p[1].into()));
-            DVec3::new(-slope.x, -slope.y, 1.0).normalize().as_vec3().to_array()
-        })
-        .collect();
+    let normals =
+        tile.positions_m.iter().map(|p| normal_of_slope(relief.slope(DVec2::new(p[0].into(), p[1].into())))).collect();
     let slots = tile
         .triangles
         .iter()

@@ -2,15 +2,13 @@
 
 use super::relief::Relief;
 use crate::kit::rock::block;
+use crate::kit::scatter::{Cell, Kind, Placed, add, lowest, place, variation};
 use crate::kit::shrub::shrub;
 use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
 use crate::kit::terrain::tin::Ground;
-use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
-use rayon::prelude::*;
-use satseed_scene::{
-    Bands, Brdf, Class, Field, Instance, Layer, Material, Mesh, Object, Scene, SeedPath, hash_cell, unit_from_hash,
-};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Scene, SeedPath};
 
 /// Different meshes of blocks and of shrubs.
 const VARIANTS: usize = 14;
@@ -18,92 +16,24 @@ const VARIANTS: usize = 14;
 const SHRUB_CELL_M: f64 = 2.0;
 const BLOCK_CELL_M: f64 = 2.0;
 
-/// A kind of thing: where it may stand, and what stands there.
-struct Placed {
-    at_m: DVec3,
-    world_from_object: DAffine3,
-    variation: [f32; 4],
-    mesh: u32,
-    path: String,
-}
-
 /// Adds shrubs and blocks within `reach_m` of the pivot.
 pub(super) fn scatter(scene: &mut Scene, relief: &Relief<'_>, reach_m: f64, rock_colors: Vec<Bands>, path: &SeedPath) {
     let blocks = path.child("block");
     let meshes = (0..VARIANTS).map(|k| block(&blocks.child("mesh").index(k as u64))).collect();
     let materials = vec![block_material(rock_colors, &blocks)];
-    let things = place(reach_m, BLOCK_CELL_M, |cell, p| block_at(relief, &blocks, cell, p));
-    add(scene, meshes, materials, Class::Rock, things);
+    let things = place(reach_m, BLOCK_CELL_M, |cell| block_at(relief, &blocks, cell));
+    add(scene, Kind { meshes, materials, class: Class::Rock }, reach_m, things);
 
     let shrubs = path.child("shrub");
     let meshes = (0..VARIANTS).map(|k| shrub(&shrubs.child("mesh").index(k as u64))).collect();
-    let things = place(reach_m, SHRUB_CELL_M, |cell, p| shrub_at(relief, &shrubs, cell, p));
-    add(scene, meshes, shrub_materials(&shrubs), Class::LowVegetation, things);
-}
-
-fn add(scene: &mut Scene, meshes: Vec<Mesh>, materials: Vec<Material>, class: Class, things: Vec<Placed>) {
-    let first_mesh = scene.meshes.len() as u32;
-    let first_material = scene.materials.len() as u32;
-    let material_set = scene.material_sets.len() as u32;
-    scene.material_sets.push((0..materials.len() as u32).map(|k| first_material + k).collect());
-    scene.materials.extend(materials);
-    scene.meshes.extend(meshes);
-    for thing in things {
-        scene.instances.push(Instance {
-            mesh: first_mesh + thing.mesh,
-            world_from_object: thing.world_from_object,
-            object: scene.objects.len() as u32,
-            material_set,
-            variation: thing.variation,
-        });
-        scene.objects.push(Object { path: thing.path, class });
-    }
-}
-
-/// Asks every cell of a square grid within reach, rows in parallel, for what stands at a random place in it.
-fn place<F>(reach_m: f64, cell_m: f64, at: F) -> Vec<Placed>
-where
-    F: Fn((i32, i32), &dyn Fn(f64, f64) -> DVec2) -> Option<Placed> + Sync,
-{
-    let half = libm::ceil(reach_m / cell_m) as i32;
-    (-half..half)
-        .into_par_iter()
-        .flat_map_iter(|j| {
-            let at = &at;
-            (-half..half).filter_map(move |i| {
-                let point = |u: f64, v: f64| DVec2::new(f64::from(i) + u, f64::from(j) + v) * cell_m;
-                at((i, j), &point).filter(|t| t.at_m.truncate().length() <= reach_m)
-            })
-        })
-        .collect()
-}
-
-/// The key of a cell's own randomness.
-fn key(path: &SeedPath, cell: (i32, i32)) -> SeedPath {
-    path.index((u64::from(cell.0 as u32) << 32) | u64::from(cell.1 as u32))
-}
-
-/// A first draw that spares the full stream where nothing can stand.
-fn draw(path_seed: u32, cell: (i32, i32)) -> f64 {
-    f64::from(unit_from_hash(hash_cell(cell.0, cell.1, 0, path_seed)))
-}
-
-/// The lowest ground under a thing of a radius, m.
-fn lowest(relief: &Relief<'_>, p: DVec2, radius_m: f64) -> f64 {
-    let d = radius_m * core::f64::consts::FRAC_1_SQRT_2;
-    let around =
-        [(radius_m, 0.0), (-radius_m, 0.0), (0.0, radius_m), (0.0, -radius_m), (d, d), (-d, d), (d, -d), (-d, -d)];
-    around.iter().map(|(x, y)| relief.height_m(p + DVec2::new(*x, *y))).fold(relief.height_m(p), f64::min)
+    let things = place(reach_m, SHRUB_CELL_M, |cell| shrub_at(relief, &shrubs, cell));
+    let kind = Kind { meshes, materials: shrub_materials(&shrubs), class: Class::LowVegetation };
+    add(scene, kind, reach_m, things);
 }
 
 /// Blocks lie on scree, fewer on the floor at the walls' feet, and on ledges. Sizes follow a power law.
-fn block_at(
-    relief: &Relief<'_>,
-    path: &SeedPath,
-    cell: (i32, i32),
-    point: &dyn Fn(f64, f64) -> DVec2,
-) -> Option<Placed> {
-    let p = point(0.5, 0.5);
+fn block_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
+    let p = cell.point(0.5, 0.5);
     let cover = relief.cover(p);
     if cover.bank_m < -1.0 {
         return None;
@@ -113,11 +43,11 @@ fn block_at(
     let share = 0.006
         + 0.30 * scree * (0.25 + 0.75 * clumps)
         + 0.12 * clumps * smoothstep(4.0, 9.0, cover.climb_m) * smoothstep(60.0, 20.0, cover.climb_m);
-    if draw(path.hash_u32(), cell) > share {
+    if cell.draw(path.hash_u32()) > share {
         return None;
     }
-    let mut rng = key(path, cell).rng();
-    let p = point(rng.unit(), rng.unit());
+    let mut rng = cell.key(path).rng();
+    let p = cell.point(rng.unit(), rng.unit());
     // Pareto: number above a size falls with the power -1.8, density with -2.8.
     let size = (0.5 * libm::pow(1.0 - rng.unit(), -1.0 / 1.8)).min(4.0);
     let slope = relief.slope(p);
@@ -134,27 +64,22 @@ fn block_at(
     let z = (base + 0.02 * size).min(relief.height_m(p) + 0.15 * size);
     let at_m = p.extend(z);
     Some(Placed {
-        at_m,
+        at_m: p,
         world_from_object: DAffine3::from_scale_rotation_translation(scale, tilt * turn, at_m),
-        variation: [rng.signed() as f32, rng.signed() as f32, rng.signed() as f32, rng.signed() as f32],
+        variation: variation(&mut rng),
         mesh: rng.below(VARIANTS as u64) as u32,
-        path: format!("block/{}_{}", cell.0, cell.1),
+        path: cell.name("block"),
     })
 }
 
 /// Shrubs stand along the wash, on shaded slopes, and in the plateau's soil.
-fn shrub_at(
-    relief: &Relief<'_>,
-    path: &SeedPath,
-    cell: (i32, i32),
-    point: &dyn Fn(f64, f64) -> DVec2,
-) -> Option<Placed> {
+fn shrub_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
     let seed = path.hash_u32();
-    let first = draw(seed, cell);
+    let first = cell.draw(seed);
     if first > 0.5 {
         return None;
     }
-    let p = point(0.5, 0.5);
+    let p = cell.point(0.5, 0.5);
     let cover = relief.cover(p);
     if cover.bank_m < 0.8 {
         return None;
@@ -170,8 +95,8 @@ fn shrub_at(
     if first > share {
         return None;
     }
-    let mut rng = key(path, cell).rng();
-    let p = point(rng.unit(), rng.unit());
+    let mut rng = cell.key(path).rng();
+    let p = cell.point(rng.unit(), rng.unit());
     let wet = wash > 0.5;
     let height = rng.lognormal(if wet { 1.15 } else { 0.75 }, 0.35).clamp(0.45, 2.2);
     let width = height * rng.range(0.9, 1.45);
@@ -182,11 +107,11 @@ fn shrub_at(
     let tilt = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, (DVec3::Z + lean).normalize()));
     let shape = DMat3::from_diagonal(DVec3::new(width, width * rng.range(0.8, 1.0), height));
     Some(Placed {
-        at_m,
+        at_m: p,
         world_from_object: DAffine3::from_mat3_translation(tilt * turn * shape, at_m),
         variation: [rng.signed() as f32, rng.signed() as f32, if wet { 0.6 } else { -0.4 }, rng.signed() as f32],
         mesh: rng.below(VARIANTS as u64) as u32,
-        path: format!("shrub/{}_{}", cell.0, cell.1),
+        path: cell.name("shrub"),
     })
 }
 

@@ -1,6 +1,6 @@
 use super::*;
+use crate::kit::checks::{assert_between, assert_closed, assert_rooted};
 use crate::kit::terrain::flow::NEIGHBOURS;
-use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 fn params(radius_m: f64) -> Params {
@@ -21,33 +21,13 @@ fn small() -> &'static Scene {
 fn with_relief<T>(seed: u64, radius_m: f64, f: impl FnOnce(&Relief<'_>) -> T) -> T {
     let params = params(radius_m);
     let landscape = Landscape::new(&params, &root(seed));
-    let (layout, window_half_m) = layout(radius_m);
-    f(&landscape.relief((window_half_m, -layout.origin_m.x), 1.0, &root(seed)))
+    let tiling = tiling(radius_m);
+    f(&landscape.relief((tiling.window_half_m, tiling.scene_half_m()), 1.0, &root(seed)))
 }
 
 #[test]
 fn the_terrain_of_all_tiles_is_one_closed_surface() {
-    let scene = small();
-    scene.validate().unwrap();
-    let mut uses: BTreeMap<[[u32; 3]; 2], [u32; 2]> = BTreeMap::new();
-    for i in scene.instances.iter().filter(|i| i.object == 0) {
-        assert_eq!(i.world_from_object, DAffine3::IDENTITY);
-        let mesh = &scene.meshes[i.mesh as usize];
-        for t in &mesh.triangles {
-            for k in 0..3 {
-                let bits = |v: u32| mesh.positions_m[v as usize].map(|x| (x + 0.0).to_bits());
-                let (a, b) = (bits(t[k]), bits(t[(k + 1) % 3]));
-                uses.entry([a.min(b), a.max(b)]).or_default()[usize::from(a > b)] += 1;
-            }
-        }
-    }
-    let half = layout(60.0).0.origin_m.x.abs();
-    for (edge, uses) in uses {
-        let [a, b] = edge.map(|p| p.map(f32::from_bits).map(f64::from));
-        let on_rim = (0..2).any(|axis| a[axis] == b[axis] && a[axis].abs() == half);
-        assert_eq!(uses.iter().sum::<u32>(), if on_rim { 1 } else { 2 }, "{a:?} {b:?}");
-        assert!(on_rim || uses == [1, 1], "{a:?} {b:?}");
-    }
+    assert_closed(small(), tiling(60.0).scene_half_m());
 }
 
 #[test]
@@ -69,14 +49,7 @@ fn any_seed_keeps_the_stated_bounds() {
             ..params(60.0)
         };
         let scene = build(&params, root(seed));
-        let [low, high] = params.height_bounds_m();
-        for instance in &scene.instances {
-            let mesh = &scene.meshes[instance.mesh as usize];
-            for p in &mesh.positions_m {
-                let z = instance.world_from_object.transform_point3(DVec3::from_array(p.map(f64::from))).z;
-                assert!((low..=high).contains(&z), "seed {seed}: {z} outside {low}..{high}");
-            }
-        }
+        assert_between(&scene, params.height_bounds_m(), &format!("seed {seed}"));
         assert!(scene.instances.iter().any(|i| i.object != 0), "seed {seed}: nothing lies or grows");
     }
 }
@@ -84,16 +57,7 @@ fn any_seed_keeps_the_stated_bounds() {
 #[test]
 fn what_stands_on_the_ground_reaches_below_it() {
     with_relief(1, 60.0, |relief| {
-        for i in small().instances.iter().filter(|i| i.object != 0) {
-            let mesh = &small().meshes[i.mesh as usize];
-            let below = mesh
-                .positions_m
-                .iter()
-                .map(|p| i.world_from_object.transform_point3(DVec3::from_array(p.map(f64::from))))
-                .map(|p| p.z - relief.height_m(p.truncate()))
-                .fold(f64::MAX, f64::min);
-            assert!(below < -0.06, "{}: {below}", small().objects[i.object as usize].path);
-        }
+        assert_rooted(small(), 0.06, |p| relief.height_m(p));
     });
 }
 

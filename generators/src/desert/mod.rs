@@ -9,14 +9,15 @@ mod scatter;
 mod tracks;
 mod werner;
 
-use crate::kit::terrain::tin::{Breakline, Grain, Ground, Layout, TileMesh, triangulate};
+use crate::kit::terrain::tiling::{Tiling, normal_of_slope, place_terrain};
+use crate::kit::terrain::tin::{Breakline, Grain, Ground, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
 use dress::slot;
 use dunes::{Domain, Dunes};
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use relief::{DETAIL_LIMIT_M, Face, POST_M, Relief};
-use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath};
+use satseed_scene::{Class, Mesh, Object, Scene, SeedPath};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use tracks::Tracks;
@@ -124,22 +125,14 @@ const RING_M: f64 = 250.0;
 /// largest scene; sand repeats only farther apart than the full detail of a whole frame is wide.
 const DOMAIN: Domain = Domain { period_m: 1536.0, half_m: 9.0 * TILE_M };
 
-fn layout(radius_m: f64) -> (Layout, f64) {
-    let half = |reach: f64| libm::ceil(reach / TILE_M);
-    let tiles = (2.0 * half(radius_m + RING_M)) as usize;
-    let origin_m = DVec2::splat(-half(radius_m + RING_M) * TILE_M);
-    let grains = (0..tiles * tiles)
-        .map(|t| {
-            let low = origin_m + DVec2::new((t % tiles) as f64, (t / tiles) as f64) * TILE_M;
-            let nearest = DVec2::ZERO.clamp(low, low + TILE_M).length();
-            if nearest <= radius_m {
-                Grain { post_m: POST_M, max_error_m: 0.05 }
-            } else {
-                Grain { post_m: 2.0, max_error_m: if nearest < radius_m + 120.0 { 0.2 } else { 0.4 } }
-            }
-        })
-        .collect();
-    (Layout { origin_m, tile_m: TILE_M, columns: tiles, rows: tiles, grains }, half(radius_m) * TILE_M)
+fn tiling(radius_m: f64) -> Tiling {
+    Tiling::new(TILE_M, radius_m, RING_M, |nearest_m| {
+        if nearest_m <= radius_m {
+            Grain { post_m: POST_M, max_error_m: 0.05 }
+        } else {
+            Grain { post_m: 2.0, max_error_m: if nearest_m < radius_m + 120.0 { 0.2 } else { 0.4 } }
+        }
+    })
 }
 
 fn ground(params: &Params, domain: Domain, window_half_m: f64, path: &SeedPath) -> Relief {
@@ -156,8 +149,8 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
 /// A scene of a domain.
 fn build_within(params: &Params, domain: Domain, path: &SeedPath) -> Scene {
     let path = path.child(params.variant());
-    let (layout, window_half_m) = layout(params.radius_m);
-    let scene_half_m = -layout.origin_m.x;
+    let tiling = tiling(params.radius_m);
+    let (window_half_m, scene_half_m) = (tiling.window_half_m, tiling.scene_half_m());
     let relief = ground(params, domain, window_half_m, &path);
     let brinks: Vec<Breakline> = relief
         .dunes
@@ -167,7 +160,7 @@ fn build_within(params: &Params, domain: Domain, path: &SeedPath) -> Scene {
             points_m: line.iter().map(|p| *p + DVec3::Z * relief.ground_m(p.truncate())).collect(),
         })
         .collect();
-    let tiles = triangulate(&layout, &relief, &brinks);
+    let tiles = triangulate(&tiling.layout, &relief, &brinks);
     let tracks = Tracks::new(&relief.dunes, domain.half_m, &path.child("tracks"));
     let materials = dress::materials(&relief, params.texture_contrast, &path.child("materials"));
     let mut scene = Scene {
@@ -180,16 +173,7 @@ fn build_within(params: &Params, domain: Domain, path: &SeedPath) -> Scene {
         ..Scene::default()
     };
     let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(&tile, &relief)).collect();
-    for mesh in meshes {
-        scene.instances.push(Instance {
-            mesh: scene.meshes.len() as u32,
-            world_from_object: DAffine3::IDENTITY,
-            object: 0,
-            material_set: 0,
-            variation: [0.0; 4],
-        });
-        scene.meshes.push(mesh);
-    }
+    place_terrain(&mut scene, meshes);
     // What stands at the rim must find the ground under all of it in full detail.
     let reach_m = (window_half_m - 4.0).min(params.radius_m + 60.0);
     scatter::scatter(&mut scene, &relief, reach_m, params.shrubs, &path.child("scatter"));
@@ -207,9 +191,8 @@ fn dressed(tile: &TileMesh, relief: &Relief) -> Mesh {
         let face = relief.top_m(middle).1;
         let corner = |k: usize| {
             *index.entry((t[k], face)).or_insert_with(|| {
-                let slope = relief.slope(corners[k].truncate(), face);
                 mesh.positions_m.push(tile.positions_m[t[k] as usize]);
-                mesh.normals.push(DVec3::new(-slope.x, -slope.y, 1.0).normalize().as_vec3().to_array());
+                mesh.normals.push(normal_of_slope(relief.slope(corners[k].truncate(), face)));
                 mesh.positions_m.len() as u32 - 1
             })
         };

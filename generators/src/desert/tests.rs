@@ -1,5 +1,6 @@
 use super::*;
 use crate::Region;
+use crate::kit::checks::{assert_between, assert_closed, assert_rises, assert_rooted};
 use satseed_scene::{Material, SurfacePoint};
 use std::sync::OnceLock;
 
@@ -14,8 +15,8 @@ fn root(seed: u64) -> SeedPath {
 }
 
 fn with_relief<T>(seed: u64, params: &Params, f: impl FnOnce(&Relief) -> T) -> T {
-    let (layout, window_half_m) = layout(params.radius_m);
-    let half_m = -layout.origin_m.x;
+    let tiling = tiling(params.radius_m);
+    let (half_m, window_half_m) = (tiling.scene_half_m(), tiling.window_half_m);
     let domain = Domain { period_m: 2.0 * half_m, half_m };
     f(&ground(params, domain, window_half_m, &root(seed).child(params.variant())))
 }
@@ -34,36 +35,9 @@ fn build_small(params: &Params, path: &SeedPath) -> Scene {
     build_within(params, SMALL, path)
 }
 
-/// World corners of all terrain triangles.
-fn terrain(scene: &Scene) -> impl Iterator<Item = [DVec3; 3]> {
-    scene.instances.iter().filter(|i| i.object == 0).flat_map(|i| {
-        assert_eq!(i.world_from_object, DAffine3::IDENTITY);
-        let mesh = &scene.meshes[i.mesh as usize];
-        (0..mesh.triangles.len()).map(|t| mesh.corners(t))
-    })
-}
-
-fn assert_closed(scene: &Scene, half_m: f64) {
-    scene.validate().unwrap();
-    let mut uses: BTreeMap<[[u64; 3]; 2], [u32; 2]> = BTreeMap::new();
-    for t in terrain(scene) {
-        for k in 0..3 {
-            let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
-            let (a, b) = (bits(t[k]), bits(t[(k + 1) % 3]));
-            uses.entry([a.min(b), a.max(b)]).or_default()[usize::from(a > b)] += 1;
-        }
-    }
-    for (edge, uses) in uses {
-        let [a, b] = edge.map(|p| p.map(f64::from_bits));
-        let on_rim = (0..2).any(|axis| a[axis] == b[axis] && a[axis].abs() == half_m);
-        assert_eq!(uses.iter().sum::<u32>(), if on_rim { 1 } else { 2 }, "{a:?} {b:?}");
-        assert!(on_rim || uses == [1, 1], "{a:?} {b:?}");
-    }
-}
-
 #[test]
 fn the_terrain_of_all_tiles_is_one_closed_surface() {
-    assert_closed(small(), -layout(60.0).0.origin_m.x);
+    assert_closed(small(), tiling(60.0).scene_half_m());
 }
 
 fn on_threads(threads: usize) -> Scene {
@@ -110,20 +84,14 @@ fn seeds_build(seeds: impl IntoParallelIterator<Item = u64>) {
         let seed = k.wrapping_mul(if k % 2 == 0 { 1 } else { 0x9e37_79b9_7f4a_7c15 });
         let scene = build_small(&params, &root(seed));
         scene.validate().unwrap();
-        let [low, high] = params.height_bounds_m();
-        for instance in &scene.instances {
-            for p in &scene.meshes[instance.mesh as usize].positions_m {
-                let z = instance.world_from_object.transform_point3(DVec3::from_array(p.map(f64::from))).z;
-                assert!((low..=high).contains(&z), "{k}: {z} outside {low}..{high} of {params:?}");
-            }
-        }
+        assert_between(&scene, params.height_bounds_m(), &format!("{k}, {params:?}"));
         // Within so far of the pivot; a large dune may bury all of it.
         let flats_m2 = flats_m2(&scene, 100.0);
         if params.shrubs > 0.0 && flats_m2 > 5000.0 {
             assert!(scene.instances.iter().any(|i| i.object != 0), "{k}: nothing lies or grows on {flats_m2} m2");
         }
         if k % 10 == 0 {
-            assert_closed(&scene, -layout(params.radius_m).0.origin_m.x);
+            assert_closed(&scene, tiling(params.radius_m).scene_half_m());
         }
     });
 }
@@ -143,16 +111,7 @@ fn two_hundred_seeds_build_within_the_stated_bounds() {
 #[test]
 fn what_stands_on_the_ground_reaches_below_it() {
     with_relief(1, &params(60.0, Variant::Barchan), |relief| {
-        for i in small().instances.iter().filter(|i| i.object != 0) {
-            let mesh = &small().meshes[i.mesh as usize];
-            let below = mesh
-                .positions_m
-                .iter()
-                .map(|p| i.world_from_object.transform_point3(DVec3::from_array(p.map(f64::from))))
-                .map(|p| p.z - relief.height_m(p.truncate()))
-                .fold(f64::MAX, f64::min);
-            assert!(below < -0.06, "{}: {below}", small().objects[i.object as usize].path);
-        }
+        assert_rooted(small(), 0.06, |p| relief.height_m(p));
     });
 }
 
@@ -319,11 +278,6 @@ fn brinks_are_edges() {
         }
         assert!(sharp * 10 > all * 8, "{sharp} of {all} segments are edges");
     });
-}
-
-/// A value that must rise with each step of a parameter.
-fn assert_rises(what: &str, values: &[f64]) {
-    assert!(values.windows(2).all(|v| v[1] > v[0] * 1.03 + 1e-9), "{what}: {values:?}");
 }
 
 fn bare(change: impl Fn(&mut Params)) -> Params {

@@ -1,12 +1,15 @@
 //! What regions share: height fields, erosion, triangulation, streets, buildings, vegetation, vehicles.
 
 pub mod buildings;
+#[cfg(test)]
+pub(crate) mod checks;
 pub mod furniture;
 pub mod ground;
 pub mod mesh_builder;
 pub mod parcels;
 pub mod polygon;
 pub mod rock;
+pub mod scatter;
 pub mod shrub;
 pub mod streets;
 pub mod terrain;

@@ -8,4 +8,5 @@ pub mod flow;
 pub mod front;
 pub mod noise;
 pub mod sampling;
+pub mod tiling;
 pub mod tin;

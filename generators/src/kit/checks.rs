@@ -1,0 +1,61 @@
+//! What the tests of every natural region ask of a scene.
+
+use glam::{DAffine3, DVec3};
+use satseed_scene::{Instance, Scene};
+use std::collections::BTreeMap;
+
+/// World corners of all terrain triangles.
+pub(crate) fn terrain(scene: &Scene) -> impl Iterator<Item = [DVec3; 3]> {
+    scene.instances.iter().filter(|i| i.object == 0).flat_map(|i| {
+        assert_eq!(i.world_from_object, DAffine3::IDENTITY);
+        let mesh = &scene.meshes[i.mesh as usize];
+        (0..mesh.triangles.len()).map(|t| mesh.corners(t))
+    })
+}
+
+/// The terrain of a square of half side `half_m` is one surface whose only border is the square's.
+pub(crate) fn assert_closed(scene: &Scene, half_m: f64) {
+    scene.validate().unwrap();
+    let mut uses: BTreeMap<[[u64; 3]; 2], [u32; 2]> = BTreeMap::new();
+    for t in terrain(scene) {
+        for k in 0..3 {
+            let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
+            let (a, b) = (bits(t[k]), bits(t[(k + 1) % 3]));
+            uses.entry([a.min(b), a.max(b)]).or_default()[usize::from(a > b)] += 1;
+        }
+    }
+    for (edge, uses) in uses {
+        let [a, b] = edge.map(|p| p.map(f64::from_bits));
+        let on_rim = (0..2).any(|axis| a[axis] == b[axis] && a[axis].abs() == half_m);
+        assert_eq!(uses.iter().sum::<u32>(), if on_rim { 1 } else { 2 }, "{a:?} {b:?}");
+        assert!(on_rim || uses == [1, 1], "{a:?} {b:?}");
+    }
+}
+
+/// World positions of an instance's vertices.
+pub(crate) fn vertices<'a>(scene: &'a Scene, i: &'a Instance) -> impl Iterator<Item = DVec3> + 'a {
+    let positions = scene.meshes[i.mesh as usize].positions_m.iter();
+    positions.map(|p| i.world_from_object.transform_point3(DVec3::from_array(p.map(f64::from))))
+}
+
+/// Every vertex lies between two heights.
+pub(crate) fn assert_between(scene: &Scene, [low, high]: [f64; 2], of: &str) {
+    for i in &scene.instances {
+        for p in vertices(scene, i) {
+            assert!((low..=high).contains(&p.z), "{of}: {} outside {low}..{high}", p.z);
+        }
+    }
+}
+
+/// All that is not terrain reaches more than `by_m` below the ground.
+pub(crate) fn assert_rooted(scene: &Scene, by_m: f64, height_m: impl Fn(glam::DVec2) -> f64) {
+    for i in scene.instances.iter().filter(|i| i.object != 0) {
+        let below = vertices(scene, i).map(|p| p.z - height_m(p.truncate())).fold(f64::MAX, f64::min);
+        assert!(below < -by_m, "{}: {below}", scene.objects[i.object as usize].path);
+    }
+}
+
+/// A measure that must rise with each step of a parameter.
+pub(crate) fn assert_rises(what: &str, values: &[f64]) {
+    assert!(values.windows(2).all(|v| v[1] > v[0] * 1.03 + 1e-9), "{what}: {values:?}");
+}
