@@ -28,6 +28,7 @@ fn main() {
             Region::Canyon(p) => p.radius_m = RADIUS_M,
             Region::Toronto(p) => p.radius_m = RADIUS_M,
             Region::Desert(p) => p.radius_m = RADIUS_M,
+            Region::Forest(p) => p.radius_m = RADIUS_M,
         }
         measure(name, &region.build(1), rounds, all);
     }

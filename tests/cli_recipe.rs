@@ -340,7 +340,7 @@ fn every_preset_has_a_plan_and_quickstart_is_small() {
     let dir = tempfile::tempdir().unwrap();
     let listed = stdout(&satseed(dir.path(), &["presets"]));
     let names: Vec<_> = listed.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
-    assert_eq!(names, ["quickstart", "satunreal", "canyon", "toronto", "desert"]);
+    assert_eq!(names, ["quickstart", "satunreal", "canyon", "toronto", "desert", "forest"]);
     for name in names {
         let output = satseed(dir.path(), &["plan", name, "--format", "jsonl"]);
         assert!(output.status.success(), "{name}: {}", stderr(&output));

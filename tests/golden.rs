@@ -26,6 +26,7 @@ fn small(name: &str) -> Region {
         Region::Canyon(p) => p.radius_m = RADIUS_M,
         Region::Toronto(p) => p.radius_m = RADIUS_M,
         Region::Desert(p) => p.radius_m = RADIUS_M,
+        Region::Forest(p) => p.radius_m = RADIUS_M,
     }
     region
 }

@@ -173,6 +173,7 @@ fn reduced(name: &str, radius_m: f64) -> Region {
         Region::Canyon(p) => p.radius_m = radius_m,
         Region::Toronto(p) => p.radius_m = radius_m,
         Region::Desert(p) => p.radius_m = radius_m,
+        Region::Forest(p) => p.radius_m = radius_m,
     }
     region
 }

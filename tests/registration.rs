@@ -190,6 +190,7 @@ fn pictures_and_labels_of_regions_are_registered() {
             Region::Canyon(p) => p.radius_m = 80.0,
             Region::Toronto(p) => p.radius_m = 80.0,
             Region::Desert(p) => p.radius_m = 80.0,
+            Region::Forest(p) => p.radius_m = 80.0,
         }
         let scene = region.build(12);
         let pair = images(&scene, &rig(0.8, scene.pivot_height_m, 160), Sensor::WORLDVIEW3_RGB, 16, &noon());

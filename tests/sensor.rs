@@ -386,6 +386,7 @@ fn more_samples_err_less() {
             Region::Canyon(p) => p.radius_m = 80.0,
             Region::Toronto(p) => p.radius_m = 80.0,
             Region::Desert(p) => p.radius_m = 80.0,
+            Region::Forest(p) => p.radius_m = 80.0,
         }
         let scene = region.build(3);
         let tracer = Tracer::new(&scene);
@@ -422,6 +423,7 @@ fn the_lattice_errs_little() {
             Region::Canyon(p) => p.radius_m = 120.0,
             Region::Toronto(p) => p.radius_m = 120.0,
             Region::Desert(p) => p.radius_m = 120.0,
+            Region::Forest(p) => p.radius_m = 120.0,
         }
         let scene = region.build(seed);
         let tracer = Tracer::new(&scene);

@@ -7,6 +7,7 @@
 pub mod canyon;
 pub mod city;
 pub mod desert;
+pub mod forest;
 pub mod kit;
 mod parameters;
 
@@ -105,4 +106,5 @@ registry! {
     Canyon, canyon, "canyon";
     Toronto, toronto, "toronto";
     Desert, desert, "desert";
+    Forest, forest, "forest";
 }

@@ -16,6 +16,7 @@ pub const PRESETS: &[Preset] = &[
     Preset { name: "canyon", text: include_str!("../../presets/canyon.toml") },
     Preset { name: "toronto", text: include_str!("../../presets/toronto.toml") },
     Preset { name: "desert", text: include_str!("../../presets/desert.toml") },
+    Preset { name: "forest", text: include_str!("../../presets/forest.toml") },
 ];
 
 impl Preset {

@@ -93,6 +93,7 @@ fn surface_models_agree_with_rays() {
             Region::Canyon(p) => p.radius_m = 60.0,
             Region::Toronto(p) => p.radius_m = 60.0,
             Region::Desert(p) => p.radius_m = 60.0,
+            Region::Forest(p) => p.radius_m = 60.0,
         }
         let scene = region.build(5);
         let tracer = Tracer::new(&scene);

@@ -177,7 +177,11 @@ impl Land {
             }
         }
         // Neither cut nor fill is deeper than two metres.
-        points.iter().zip(heights).map(|(p, z)| p.extend(z.clamp(self.hills_m(*p) - 2.0, self.hills_m(*p) + 2.0))).collect()
+        points
+            .iter()
+            .zip(heights)
+            .map(|(p, z)| p.extend(z.clamp(self.hills_m(*p) - 2.0, self.hills_m(*p) + 2.0)))
+            .collect()
     }
 
     /// Eastward and northward slope at a place.
@@ -200,7 +204,9 @@ fn rng_offset(path: &SeedPath, key: f64) -> f64 {
 
 fn smoothed(points: &[DVec2]) -> Vec<DVec2> {
     let last = points.len() - 1;
-    let at = |k: usize| if k == 0 || k == last { points[k] } else { points[k] * 0.5 + (points[k - 1] + points[k + 1]) * 0.25 };
+    let at = |k: usize| {
+        if k == 0 || k == last { points[k] } else { points[k] * 0.5 + (points[k - 1] + points[k + 1]) * 0.25 }
+    };
     (0..=last).map(at).collect()
 }
 

@@ -1,6 +1,6 @@
 //! Wood without leaves, and what grows at its foot: snags, logs, stumps, heaps of brush, ferns.
 
-use super::solid::{Solids, level};
+use super::solid::{Ball, Solids, direction, level};
 use super::{BARK, LEAVES};
 use glam::DVec3;
 use satseed_scene::{Mesh, Rng, SeedPath};
@@ -111,6 +111,54 @@ pub fn fern(path: &SeedPath) -> Mesh {
             let shade = (DVec3::Z + d * 0.5).normalize();
             b.wedge(LEAVES, [root, knee + half, tip, knee + other], shade);
             b.wedge(LEAVES, [knee, knee + half * 2.0 + d * 0.06, tip, knee + other * 2.0 + d * 0.06], shade);
+        }
+    }
+    b.finish()
+}
+
+/// A bush 1 m high and about 1.3 m wide.
+pub fn bush(path: &SeedPath) -> Mesh {
+    let mut rng = path.rng();
+    let mut b = Solids::default();
+    let ball = Ball::coarse();
+    let lumps = 5 + rng.below(5);
+    let start = rng.range(0.0, core::f64::consts::TAU);
+    for k in 0..lumps {
+        let share = (k as f64 + 0.3) / lumps as f64;
+        let out = level(start + k as f64 * 2.4) * (0.48 * share.sqrt() * rng.range(0.8, 1.2));
+        let r = rng.range(0.2, 0.31);
+        let at = out + DVec3::Z * (0.76 - 0.42 * share + 0.1 * rng.signed()).clamp(0.75 * r, 1.0 - r);
+        b.limb(BARK, DVec3::new(0.2 * out.x, 0.2 * out.y, -0.4), at, [0.03, 0.015], 3);
+        b.lump(LEAVES, &ball, at, DVec3::new(r, r, 0.85 * r), 0.3, DVec3::Z * 0.3, &mut rng);
+        for _ in 0..5 {
+            let e = (direction(&mut rng) + out + DVec3::Z * 0.5).normalize_or(DVec3::Z);
+            b.spray(LEAVES, at + e * r, e, 0.11, &mut rng);
+        }
+    }
+    b.finish()
+}
+
+/// A tree seen from far away only: a few lumps, or cones, of a height and a crown radius.
+pub fn far(height_m: f64, crown_m: f64, conical: bool, path: &SeedPath) -> Mesh {
+    let mut rng = path.rng();
+    let mut b = Solids::default();
+    b.limb(BARK, DVec3::Z * -1.2, DVec3::Z * (0.6 * height_m), [0.2, 0.12], 3);
+    if conical {
+        for k in 0..4 {
+            let t = f64::from(k) / 4.0;
+            let z = height_m * (0.28 + 0.66 * t);
+            let r = crown_m * (1.0 - t) * rng.range(0.85, 1.1) + 0.15;
+            let top = (z + 0.30 * height_m * (1.0 - 0.4 * t)).min(height_m);
+            b.limb(LEAVES, DVec3::Z * z, DVec3::Z * top, [r, 0.05], 7);
+        }
+    } else {
+        let ball = Ball::coarse();
+        for k in 0..7 {
+            let share = (f64::from(k) + 0.1) / 7.0;
+            let d = level(f64::from(k) * 2.4 + rng.signed() * 0.4) * (0.66 * crown_m * share.sqrt());
+            let r = crown_m * rng.range(0.42, 0.58);
+            let at = d + DVec3::Z * (height_m - r - 0.28 * height_m * share * rng.range(0.6, 1.2));
+            b.lump(LEAVES, &ball, at, DVec3::new(r, r, r * 1.1), 0.24, DVec3::Z * (0.6 * height_m), &mut rng);
         }
     }
     b.finish()

@@ -8,7 +8,7 @@ mod conifer;
 mod dead;
 mod solid;
 
-pub use dead::{brush, fern, log, snag, stump};
+pub use dead::{brush, bush, far, fern, log, snag, stump};
 
 use satseed_scene::{Mesh, SeedPath};
 
@@ -189,7 +189,16 @@ mod tests {
     #[test]
     fn dead_wood_and_ferns_are_closed_and_differ() {
         let root = SeedPath::root("woods", 2);
-        let makers: [fn(&SeedPath) -> Mesh; 5] = [|p| snag(18.0, 3.0, p), log, stump, brush, fern];
+        let makers: [fn(&SeedPath) -> Mesh; 8] = [
+            |p| snag(18.0, 3.0, p),
+            |p| far(20.0, 4.0, false, p),
+            |p| far(20.0, 3.0, true, p),
+            log,
+            stump,
+            brush,
+            fern,
+            bush,
+        ];
         for make in makers {
             let all: Vec<Mesh> = (0..6).map(|k| make(&root.index(k))).collect();
             for m in &all {
