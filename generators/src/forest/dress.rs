@@ -124,8 +124,8 @@ pub(super) fn materials(contrast: f64, path: &SeedPath) -> Vec<Material> {
     let k = contrast as f32;
     let mut rng = path.child("palette").rng();
     let mut vary = |c: Bands| c * rng.range(0.88, 1.12) as f32;
-    let litter = vary(Bands::new(0.044, 0.062, 0.084, 0.17));
-    let needles = vary(Bands::new(0.036, 0.047, 0.062, 0.13));
+    let litter = vary(Bands::new(0.043, 0.060, 0.072, 0.17));
+    let needles = vary(Bands::new(0.035, 0.046, 0.055, 0.13));
     let grass = vary(Bands::new(0.040, 0.078, 0.060, 0.34));
     let dry = vary(Bands::new(0.074, 0.112, 0.128, 0.30));
     let herbs = vary(Bands::new(0.032, 0.070, 0.044, 0.36));

@@ -78,7 +78,7 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
         // Neighbouring stands seed into each other.
         let scatter = DVec2::new(draw(2) + draw(3) - 1.0, draw(4) + draw(5) - 1.0) * 9.0;
         let stand = stands.at(p + scatter);
-        most = if stand.kind == Kind::Young { 20 } else { 10 };
+        most = if stand.kind == Kind::Young { 24 } else { 15 };
         k += 1;
         let normal =
             |n: i32| f64::sqrt(-2.0 * libm::log(1.0 - draw(n))) * libm::cos(core::f64::consts::TAU * draw(n + 1));
@@ -100,8 +100,8 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
         let species = Species::ALL[pick(&stand.mix, draw(7))];
         let conifer = species.is_conifer();
         let (height_m, crown_m) = if kind == Kind::Young {
-            let h = 2.0 + 6.5 * (0.35 + 0.65 * draw(8)) * (0.5 + 0.5 * draw(9));
-            (h, (0.45 + 0.13 * h) * if conifer { 0.85 } else { 1.1 } * libm::exp(0.15 * normal(10)))
+            let h = 2.5 + 6.5 * (0.35 + 0.65 * draw(8)) * (0.5 + 0.5 * draw(9));
+            (h, (0.55 + 0.15 * h) * if conifer { 0.85 } else { 1.1 } * libm::exp(0.15 * normal(10)))
         } else {
             // Weibull of stem diameters, cm; heights and crowns from them.
             let shape = if conifer { 2.5 } else { 2.1 };
@@ -110,7 +110,7 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
             let emergent = if draw(12) < 0.035 { 1.0 + 0.2 * draw(13) } else { 1.0 };
             let height = (1.3 + (stand.tallest_m - 1.3) * grown) * libm::exp(0.07 * normal(14)) * emergent;
             let wide = match species {
-                Species::Oak => (1.5 + 0.13 * stem) * 1.12,
+                Species::Oak => (1.5 + 0.13 * stem) * 1.2,
                 Species::Beech => 1.5 + 0.13 * stem,
                 Species::Birch => (1.5 + 0.13 * stem) * 0.8,
                 Species::Pine => (1.0 + 0.09 * stem) * 1.15,
@@ -151,6 +151,11 @@ fn pick(weights: &[f64; 6], draw: f64) -> usize {
         .unwrap_or(0)
 }
 
+/// What a tree's crown takes of the room, m: those of conifers are loose at their rim and reach into each other.
+fn spread_m(tree: &Tree) -> f64 {
+    tree.crown_m * if tree.species.is_conifer() { 0.84 } else { 1.0 }
+}
+
 /// Variable-radius dart throwing: a dart stays where no earlier one is too near. Crowns interlock, and a low tree may
 /// stand half under a high one.
 fn thrown(darts: Vec<Tree>, stands: &Stands, density: f64) -> Vec<Tree> {
@@ -173,8 +178,8 @@ fn thrown(darts: Vec<Tree>, stands: &Stands, density: f64) -> Vec<Tree> {
                 grid[j * across + i].iter().any(|k| {
                     let other = &kept[*k as usize];
                     let under = dart.height_m < 0.62 * other.height_m;
-                    let share = if under { 0.72 } else { 0.80 };
-                    let least = share * apart * (dart.crown_m + other.crown_m);
+                    let share = if under { 0.56 } else { 0.57 };
+                    let least = share * apart * (spread_m(&dart) + spread_m(other));
                     other.at_m.distance_squared(dart.at_m) < least * least
                 })
             })

@@ -65,8 +65,10 @@ impl Land {
         };
         land.track = Lines::new(parts(&land.way(&path.child("track")), TRACK_HALF_M), 24.0);
         land.rides = Lines::new(rides(&path.child("rides")), 12.0);
-        let n = libm::round(2.0 * window_half_m / POST_M) as usize + 1;
-        let shape = Raster::filled(DVec2::splat(-window_half_m), POST_M, n, n, ());
+        // Slopes at the tiles' border ask beyond it.
+        let half_m = window_half_m + 4.0 * POST_M;
+        let n = libm::round(2.0 * half_m / POST_M) as usize + 1;
+        let shape = Raster::filled(DVec2::splat(-half_m), POST_M, n, n, ());
         let rows: Vec<Vec<f32>> = (0..n)
             .into_par_iter()
             .map(|j| (0..n).map(|i| land.exact_m(shape.position(i, j)) as f32).collect())
@@ -387,7 +389,7 @@ fn worn(relief_m: f64, path: &SeedPath) -> (Raster<f32>, Raster<f32>, Vec<Part>)
         .filter(|p| is_stream(*p) && drainage.receiver[*p] as usize != *p)
         .map(|p| {
             let to = drainage.receiver[p] as usize;
-            Part { ends_m: [place(p), place(to)], half_m: [half(p), half(to)], along_m: 0.0 }
+            Part { ends_m: [place(p), place(to)], half_m: [half(p), half(to)] }
         })
         .filter(|s| s.ends_m[0].truncate().distance(s.ends_m[1].truncate()) > 0.05)
         .collect();

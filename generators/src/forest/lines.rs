@@ -13,8 +13,6 @@ pub(super) struct Part {
     pub(super) ends_m: [DVec3; 2],
     /// Half the line's width at both ends, m.
     pub(super) half_m: [f64; 2],
-    /// Way along the line to its first end, m.
-    pub(super) along_m: f64,
 }
 
 /// Where a place is, seen from a line.
@@ -26,8 +24,6 @@ pub(super) struct Near {
     pub(super) level_m: f64,
     /// Half its width there, m.
     pub(super) half_m: f64,
-    /// Way along it, m.
-    pub(super) along_m: f64,
 }
 
 /// Lines with a look-up.
@@ -78,7 +74,6 @@ impl Lines {
                     offset_m: if along.perp_dot(away) < 0.0 { -distance } else { distance },
                     level_m: lerp(part.ends_m.map(|e| e.z)),
                     half_m: lerp(part.half_m),
-                    along_m: part.along_m + along.length() * t,
                 };
                 best = Some((distance, near));
             }
@@ -94,14 +89,9 @@ impl Lines {
 
 /// A line through points as parts.
 pub(super) fn parts(points_m: &[DVec3], half_m: f64) -> Vec<Part> {
-    let mut along_m = 0.0;
     points_m
         .windows(2)
         .filter(|w| w[0].truncate().distance(w[1].truncate()) > 0.05)
-        .map(|w| {
-            let part = Part { ends_m: [w[0], w[1]], half_m: [half_m; 2], along_m };
-            along_m += w[0].truncate().distance(w[1].truncate());
-            part
-        })
+        .map(|w| Part { ends_m: [w[0], w[1]], half_m: [half_m; 2] })
         .collect()
 }

@@ -160,3 +160,6 @@ fn dressed(tile: TileMesh, land: &Land, stands: &Stands) -> Mesh {
         .collect();
     Mesh { positions_m: tile.positions_m, triangles: tile.triangles, slots, normals, uvs_m: Vec::new() }
 }
+
+#[cfg(test)]
+mod tests;

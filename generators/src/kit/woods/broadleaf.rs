@@ -56,7 +56,7 @@ pub(super) fn tree(form: &Form, height_m: f64, crown_m: f64, detail: f64, path: 
     let turn = rng.range(0.0, core::f64::consts::TAU);
     let lobes: Vec<Lobe> = (0..count)
         .map(|k| {
-            let share = (f64::from(k) + 0.25) / f64::from(count);
+            let share = (f64::from(k) + 0.25) / (f64::from(count) - 0.75);
             let d = level(turn + f64::from(k) * GOLDEN + rng.signed() * 0.35);
             let radius = crown_m * form.lobe * rng.range(0.78, 1.2);
             let out =

@@ -133,9 +133,9 @@ pub fn tree(species: Species, size: usize, path: &SeedPath) -> Mesh {
         Species::Spruce => whorled(conifer::Form {
             base: 0.3,
             whorls: 19,
-            branches: 8,
+            branches: 9,
             twigs: 3,
-            width: 0.36,
+            width: 0.46,
             droop: 0.34,
             taper: 0.82,
             gaps: 0.08,
@@ -144,9 +144,9 @@ pub fn tree(species: Species, size: usize, path: &SeedPath) -> Mesh {
         Species::Larch => whorled(conifer::Form {
             base: 0.36,
             whorls: 16,
-            branches: 7,
+            branches: 8,
             twigs: 3,
-            width: 0.26,
+            width: 0.36,
             droop: 0.12,
             taper: 0.7,
             gaps: 0.18,
