@@ -123,6 +123,11 @@ fn desert() {
 }
 
 #[test]
+fn forest() {
+    check("forest");
+}
+
+#[test]
 fn toronto() {
     check("toronto");
 }
@@ -136,11 +141,11 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "canyon", "desert", "toronto"])
+        .args(["--exact", "canyon", "desert", "forest", "toronto"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()
         .expect("the test binary runs");
     let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success() && text.contains("3 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && text.contains("4 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
 }

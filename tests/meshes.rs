@@ -216,3 +216,9 @@ fn full_torontos_are_whole() {
 fn full_deserts_are_whole() {
     full_region("desert");
 }
+
+#[test]
+#[ignore = "long: 5 * 10^7 rays at regions of full size"]
+fn full_forests_are_whole() {
+    full_region("forest");
+}

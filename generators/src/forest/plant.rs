@@ -47,7 +47,9 @@ pub(super) fn leaves(name: &str, class: Class, [color, through]: [Bands; 2], con
     let k = contrast;
     let noise = |salt: u32, wavelength_m: f32| Field::Noise(Fractal::new(Space::Object, seed ^ salt, wavelength_m, 2));
     let mut m = Material::diffuse(name, class, color)
-        .with(Layer::Brightness { amount: Field::Variation(1).times(0.20 * k) })
+        .with(Layer::Brightness {
+            amount: Field::Sum(vec![Field::Variation(1).times(0.20 * k), Field::Variation(2).times(0.08 * k)]),
+        })
         .with(Layer::Tint {
             tint: Bands::new(-0.25, 0.0, 0.85, 0.0),
             amount: Field::Sum(vec![Field::Variation(0).times(0.17 * k), Field::Variation(2).times(0.10 * k)]),
@@ -124,9 +126,9 @@ fn material_sets(scene: &mut Scene, k: f32, path: &SeedPath) -> Sets {
         let stem = add(bark(&format!("{name} bark"), stem));
         let green = add(leaves(&format!("{name} leaves"), Class::Tree, [leaf, through], k, seed ^ salt));
         let (dry, glow) = if species.is_conifer() {
-            (Bands::new(0.050, 0.064, 0.082, 0.24), Bands::new(0.003, 0.006, 0.010, 0.06))
+            (Bands::new(0.056, 0.070, 0.074, 0.24), Bands::new(0.003, 0.006, 0.010, 0.06))
         } else {
-            (Bands::new(0.046, 0.070, 0.084, 0.28), Bands::new(0.004, 0.012, 0.016, 0.1))
+            (Bands::new(0.050, 0.074, 0.074, 0.28), Bands::new(0.004, 0.012, 0.012, 0.1))
         };
         let brown = leaves(&format!("{name} leaves, brown"), Class::Tree, [dry, glow], k, seed ^ salt ^ 1)
             // Some have only begun to turn.

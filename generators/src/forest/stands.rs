@@ -98,7 +98,7 @@ impl Stands {
     pub(super) fn outside_m(&self, p: DVec2) -> f64 {
         let q = warp(p, self.gap_seed, 15.0, 4.0);
         let rare = 1.0 / self.density;
-        let gaps = self.discs(q, GAP_CELL_M, 0, |draw, size| (draw < 0.42 * rare).then_some(2.3 + 6.4 * size * size));
+        let gaps = self.discs(q, GAP_CELL_M, 0, |draw, size| (draw < 0.36 * rare).then_some(2.2 + 6.2 * size * size));
         let clearings =
             self.discs(q, CLEARING_CELL_M, 1, |draw, size| (draw < 0.5 * rare).then_some(11.0 + 26.0 * size * size));
         gaps.min(clearings)
@@ -171,7 +171,7 @@ fn stand(land: &Land, params: &Params, at: DVec2, key: &SeedPath) -> Stand {
         },
         mix,
         tallest_m: rng.range(27.0, 34.0) + 2.0 * wet,
-        stem_cm: 25.0 + 10.0 * age,
+        stem_cm: 27.0 + 10.0 * age,
         apart: rng.range(0.94, 1.06),
         along: DVec2::new(c, s),
         sick: if rng.chance(0.3) { rng.range(0.05, 0.3) } else { 0.02 },

@@ -59,8 +59,8 @@ pub(super) fn tree(form: &Form, height_m: f64, crown_m: f64, detail: f64, path: 
             let share = (f64::from(k) + 0.25) / (f64::from(count) - 0.75);
             let d = level(turn + f64::from(k) * GOLDEN + rng.signed() * 0.35);
             let radius = crown_m * form.lobe * rng.range(0.78, 1.2);
-            let out =
-                ((crown_m - radius).max(0.1 * crown_m) * share.sqrt() * rng.range(0.85, 1.12) * uneven(d)).max(0.0);
+            let out = ((1.08 * crown_m - radius).max(0.1 * crown_m) * share.sqrt() * rng.range(0.85, 1.12) * uneven(d))
+                .max(0.0);
             let rim = out / crown_m;
             let top = height_m - depth * form.fall * (rim * rim * 1.5 + rng.range(0.0, 0.22) * f64::from(k.min(1)));
             let z = (top - radius * form.flat).max(height_m - depth + radius * 0.5);
@@ -79,7 +79,7 @@ pub(super) fn tree(form: &Form, height_m: f64, crown_m: f64, detail: f64, path: 
         b.limb(BARK, from, bend, [thick * if k == 0 { 0.7 } else { 0.42 }, thick * 0.28], 4);
         b.limb(BARK, bend, to, [thick * 0.28, 0.03], 3);
         if form.dense {
-            let r = DVec3::new(1.0, 1.0, form.flat) * (lobe.radius * 0.70);
+            let r = DVec3::new(1.0, 1.0, form.flat) * (lobe.radius * 0.80);
             b.lump(LEAVES, &coarse, lobe.centre, r, 0.25, middle, &mut rng);
         }
     }
