@@ -130,7 +130,7 @@ pub(super) fn materials(contrast: f64, path: &SeedPath) -> Vec<Material> {
     let dry = vary(Bands::new(0.074, 0.112, 0.128, 0.30));
     let herbs = vary(Bands::new(0.032, 0.070, 0.044, 0.36));
     let soil = vary(Bands::new(0.060, 0.082, 0.106, 0.17));
-    let gravel = vary(Bands::new(0.128, 0.150, 0.168, 0.22));
+    let gravel = vary(Bands::new(0.082, 0.102, 0.114, 0.19));
     let slash = vary(Bands::new(0.100, 0.122, 0.142, 0.22));
     let moss = Bands::new(0.030, 0.062, 0.044, 0.26);
     // Every colour stands as far from the litter's as the contrast says.
@@ -178,7 +178,7 @@ pub(super) fn materials(contrast: f64, path: &SeedPath) -> Vec<Material> {
         raster(channel::TRACK),
         across(0.25, 0.5),
         Field::Sum(vec![Field::Constant(1.0), across(1.15, 1.9).times(-0.8)]),
-        Field::Sum(vec![Field::Constant(0.75), noise("wear", 5.0, 3, 0.7).times(0.9)]),
+        Field::Sum(vec![Field::Constant(0.55), noise("wear", 5.0, 4, 0.75).times(1.3)]),
     ]);
     let track =
         ground("forest track", Class::Road).with(Layer::Mix { color: apart(gravel), amount: worn }).with(Layer::Mix {

@@ -31,10 +31,10 @@ fn colors(species: Species) -> [Bands; 3] {
             [leaf(0.042, 0.100, 0.062, 0.42), leaf(0.008, 0.034, 0.014, 0.28), leaf(0.3, 0.32, 0.33, 0.4)]
         }
         Species::Spruce => {
-            [leaf(0.027, 0.052, 0.034, 0.26), leaf(0.003, 0.010, 0.004, 0.1), leaf(0.07, 0.08, 0.10, 0.16)]
+            [leaf(0.028, 0.060, 0.038, 0.27), leaf(0.003, 0.010, 0.004, 0.1), leaf(0.07, 0.08, 0.10, 0.16)]
         }
         Species::Pine => {
-            [leaf(0.038, 0.064, 0.048, 0.28), leaf(0.004, 0.012, 0.006, 0.1), leaf(0.07, 0.11, 0.17, 0.25)]
+            [leaf(0.037, 0.070, 0.050, 0.29), leaf(0.004, 0.012, 0.006, 0.1), leaf(0.07, 0.11, 0.17, 0.25)]
         }
         Species::Larch => {
             [leaf(0.036, 0.084, 0.054, 0.34), leaf(0.005, 0.022, 0.009, 0.18), leaf(0.08, 0.10, 0.13, 0.2)]
@@ -126,9 +126,9 @@ fn material_sets(scene: &mut Scene, k: f32, path: &SeedPath) -> Sets {
         let stem = add(bark(&format!("{name} bark"), stem));
         let green = add(leaves(&format!("{name} leaves"), Class::Tree, [leaf, through], k, seed ^ salt));
         let (dry, glow) = if species.is_conifer() {
-            (Bands::new(0.056, 0.070, 0.074, 0.24), Bands::new(0.003, 0.006, 0.010, 0.06))
+            (Bands::new(0.048, 0.064, 0.064, 0.24), Bands::new(0.003, 0.006, 0.010, 0.06))
         } else {
-            (Bands::new(0.050, 0.074, 0.074, 0.28), Bands::new(0.004, 0.012, 0.012, 0.1))
+            (Bands::new(0.042, 0.068, 0.062, 0.28), Bands::new(0.004, 0.012, 0.012, 0.1))
         };
         let brown = leaves(&format!("{name} leaves, brown"), Class::Tree, [dry, glow], k, seed ^ salt ^ 1)
             // Some have only begun to turn.

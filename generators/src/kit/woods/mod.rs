@@ -93,7 +93,7 @@ pub fn tree(species: Species, size: usize, path: &SeedPath) -> Mesh {
         }),
         Species::Beech => lobed(broadleaf::Form {
             depth: 0.52,
-            lobes: 13,
+            lobes: 11,
             lobe: 0.41,
             flat: 0.9,
             fall: 0.5,
