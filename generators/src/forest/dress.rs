@@ -127,10 +127,10 @@ pub(super) fn materials(contrast: f64, path: &SeedPath) -> Vec<Material> {
     let litter = vary(Bands::new(0.043, 0.060, 0.072, 0.17));
     let needles = vary(Bands::new(0.035, 0.046, 0.055, 0.13));
     let grass = vary(Bands::new(0.040, 0.078, 0.060, 0.34));
-    let dry = vary(Bands::new(0.074, 0.112, 0.128, 0.30));
+    let dry = vary(Bands::new(0.052, 0.090, 0.090, 0.30));
     let herbs = vary(Bands::new(0.032, 0.070, 0.044, 0.36));
     let soil = vary(Bands::new(0.060, 0.082, 0.106, 0.17));
-    let gravel = vary(Bands::new(0.082, 0.102, 0.114, 0.19));
+    let gravel = vary(Bands::new(0.080, 0.100, 0.106, 0.19));
     let slash = vary(Bands::new(0.100, 0.122, 0.142, 0.22));
     let moss = Bands::new(0.030, 0.062, 0.044, 0.26);
     // Every colour stands as far from the litter's as the contrast says.

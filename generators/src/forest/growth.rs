@@ -105,20 +105,20 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
         } else {
             // Weibull of stem diameters, cm; heights and crowns from them.
             let shape = if conifer { 2.5 } else { 2.1 };
-            let stem = (stand.stem_cm * libm::pow(-libm::log(1.0 - draw(8)), 1.0 / shape)).clamp(7.0, 85.0);
+            let stem = (stand.stem_cm * libm::pow(-libm::log(1.0 - draw(8)), 1.0 / shape)).clamp(7.0, 75.0);
             let grown = libm::pow(1.0 - libm::exp(-0.035 * stem), 1.1);
             let emergent = if draw(12) < 0.035 { 1.0 + 0.2 * draw(13) } else { 1.0 };
             // Neighbours draw each other up: thin stems of a closed stand are higher than alone.
             let alone = 1.3 + (stand.tallest_m - 1.3) * grown;
-            let height = (0.6 * alone + 0.4 * 0.80 * stand.tallest_m) * libm::exp(0.07 * normal(14)) * emergent;
+            let height = (0.42 * alone + 0.58 * 0.80 * stand.tallest_m) * libm::exp(0.07 * normal(14)) * emergent;
             let wide = match species {
-                Species::Oak => (1.5 + 0.13 * stem) * 1.2,
+                Species::Oak => (1.5 + 0.13 * stem) * 1.15,
                 Species::Beech => 1.5 + 0.13 * stem,
                 Species::Birch => (1.5 + 0.13 * stem) * 0.8,
                 Species::Pine => (1.0 + 0.09 * stem) * 1.25,
                 Species::Spruce | Species::Larch => (1.0 + 0.09 * stem) * 1.12,
             };
-            (height, 0.5 * wide * libm::exp(0.18 * normal(16)))
+            (height, 0.5 * wide * libm::exp(0.16 * normal(16)))
         };
         let crown_m = crown_m.clamp(0.5, WIDEST_M);
         let height_m = height_m.clamp(1.5, 44.0).max(1.6 * crown_m);

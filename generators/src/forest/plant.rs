@@ -126,9 +126,9 @@ fn material_sets(scene: &mut Scene, k: f32, path: &SeedPath) -> Sets {
         let stem = add(bark(&format!("{name} bark"), stem));
         let green = add(leaves(&format!("{name} leaves"), Class::Tree, [leaf, through], k, seed ^ salt));
         let (dry, glow) = if species.is_conifer() {
-            (Bands::new(0.048, 0.064, 0.064, 0.24), Bands::new(0.003, 0.006, 0.010, 0.06))
+            (Bands::new(0.036, 0.056, 0.062, 0.24), Bands::new(0.003, 0.006, 0.010, 0.06))
         } else {
-            (Bands::new(0.042, 0.068, 0.062, 0.28), Bands::new(0.004, 0.012, 0.012, 0.1))
+            (Bands::new(0.032, 0.060, 0.062, 0.28), Bands::new(0.004, 0.012, 0.012, 0.1))
         };
         let brown = leaves(&format!("{name} leaves, brown"), Class::Tree, [dry, glow], k, seed ^ salt ^ 1)
             // Some have only begun to turn.
