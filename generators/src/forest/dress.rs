@@ -131,7 +131,7 @@ pub(super) fn materials(contrast: f64, path: &SeedPath) -> Vec<Material> {
     let herbs = vary(Bands::new(0.032, 0.070, 0.044, 0.36));
     let soil = vary(Bands::new(0.060, 0.082, 0.106, 0.17));
     let gravel = vary(Bands::new(0.080, 0.100, 0.106, 0.19));
-    let slash = vary(Bands::new(0.100, 0.122, 0.142, 0.22));
+    let slash = vary(Bands::new(0.096, 0.118, 0.124, 0.22));
     let moss = Bands::new(0.030, 0.062, 0.044, 0.26);
     // Every colour stands as far from the litter's as the contrast says.
     let apart = |c: Bands| litter.lerp(c, k.min(1.0));
