@@ -23,13 +23,7 @@ fn main() {
     let rounds = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(5);
     let all = std::env::args().any(|a| a == "all");
     for name in Region::NAMES {
-        let mut region = Region::by_name(name).expect("it is registered");
-        match &mut region {
-            Region::Canyon(p) => p.radius_m = RADIUS_M,
-            Region::Toronto(p) => p.radius_m = RADIUS_M,
-            Region::Desert(p) => p.radius_m = RADIUS_M,
-            Region::Field(p) => p.radius_m = RADIUS_M,
-        }
+        let region = Region::by_name(name).expect("it is registered").with_radius_m(RADIUS_M);
         measure(name, &region.build(1), rounds, all);
     }
 }

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
-use satseed_generators::{Region, desert::Variant, field};
+use satseed_generators::{Region, desert, field, forest};
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
 use std::path::Path;
@@ -30,13 +30,22 @@ fn main() -> anyhow::Result<()> {
         let mut region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
         let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
         for seed in SEEDS {
-            // A sheet shows all kinds of dunes.
-            if let Region::Desert(p) = &mut region {
-                p.variant = [Variant::Linear, Variant::Barchan, Variant::Transverse][seed as usize % 3];
-            }
-            if let Region::Field(p) = &mut region {
-                p.variant =
-                    [field::Variant::European, field::Variant::European, field::Variant::Pivot][seed as usize % 3];
+            // A sheet shows all kinds of dunes, fields and forests.
+            let turn = seed as usize % 3;
+            match &mut region {
+                Region::Desert(p) => {
+                    use desert::Variant::{Barchan, Linear, Transverse};
+                    p.variant = [Linear, Barchan, Transverse][turn];
+                }
+                Region::Forest(p) => {
+                    use forest::Variant::{Conifer, Logged, Mixed};
+                    p.variant = [Logged, Mixed, Conifer][turn];
+                }
+                Region::Field(p) => {
+                    use field::Variant::{European, Pivot};
+                    p.variant = [European, European, Pivot][turn];
+                }
+                _ => {}
             }
             let scene = region.build(seed);
             scene.validate()?;

@@ -3,14 +3,14 @@
 
 #![allow(clippy::print_stderr)]
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use satseed::camera::{Datum, RigSpec, StereoRig};
 use satseed::dataset::SceneFigures;
 use satseed::dataset::formats::HeightMap;
 use satseed::labels::{Extra, SurfaceModels, Validity, View, extract, surface_models};
 use satseed::render::{Image, Light, Sensor, Settings, render};
 use satseed_generators::Region;
-use satseed_scene::{Environment, Raster, SeedPath};
+use satseed_scene::{Environment, Raster, Ray, Scene, SeedPath};
 use satseed_tracer::Tracer;
 
 /// Surface models of a scene with cells of `cell_m`, and its figures.
@@ -72,6 +72,107 @@ fn canyon() {
         assert_eq!(f.towers, 0, "seed {seed}");
         assert!(several_layers(&models) > 0.0, "seed {seed}: shrubs and blocks stand over the ground");
     }
+}
+
+/// What vertical rays find over a circle: the share that come upon nothing higher than half a metre, the share that meet
+/// what is higher than 2 m first, and the median and 95 in 100 of those heights, m.
+fn canopy(scene: &Scene, tracer: &Tracer<'_>, radius_m: f64, step_m: f64) -> (f64, f64, [f64; 2]) {
+    let bare =
+        Scene { instances: scene.instances.iter().filter(|i| i.object == 0).cloned().collect(), ..scene.clone() };
+    let ground = Tracer::new(&bare);
+    let n = (2.0 * radius_m / step_m) as u32;
+    let (mut all, mut gaps, mut heights) = (0.0, 0.0, Vec::new());
+    for k in 0..n * n {
+        let at = DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) * step_m - radius_m;
+        if at.length() > radius_m {
+            continue;
+        }
+        let down = Ray { origin: at.extend(1000.0), direction: DVec3::NEG_Z };
+        let z = |tracer: &Tracer<'_>| tracer.closest(&down, 2000.0).expect("ground everywhere").point.z;
+        let height_m = z(tracer) - z(&ground);
+        all += 1.0;
+        gaps += f64::from(u8::from(height_m < 0.5));
+        if height_m > 2.0 {
+            heights.push(height_m);
+        }
+    }
+    heights.sort_by(f64::total_cmp);
+    let at = |q: f64| heights[(q * heights.len() as f64) as usize];
+    (gaps / all, heights.len() as f64 / all, [at(0.5), at(0.95)])
+}
+
+/// Share of pixels of a frame's middle that the other view, 200 m apart, cannot see.
+fn occluded(scene: &Scene, tracer: &Tracer<'_>, size_px: u32) -> f64 {
+    let rig = StereoRig::new(RigSpec {
+        altitude_m: 1000.0,
+        gsd_m: 0.3,
+        size_px: [size_px; 2],
+        baseline_m: 200.0,
+        azimuth_rad: 0.6,
+        pivot_along_baseline: 0.5,
+        pivot_m: DVec3::new(0.0, 0.0, scene.pivot_height_m),
+        datum: Datum::Height(scene.pivot_height_m),
+    });
+    let environment = Environment { sun_elevation_rad: 0.73, sun_azimuth_rad: 2.53, aerosol_optical_depth: 0.12 };
+    let labels = extract(tracer, &rig, View::Left, &environment, Extra::default());
+    let hidden: u32 = labels.validity.iter().map(|v| u32::from(*v == Validity::Occluded as u8)).sum();
+    f64::from(hidden) / labels.validity.len() as f64
+}
+
+struct ForestNumbers {
+    gaps: f64,
+    cover: f64,
+    heights_m: [f64; 2],
+    several: f64,
+    hidden: f64,
+}
+
+fn forest_numbers(region: &Region, seed: u64, radius_m: f64, size_px: u32) -> ForestNumbers {
+    let scene = region.build(seed);
+    let tracer = Tracer::new(&scene);
+    let (gaps, cover, heights_m) = canopy(&scene, &tracer, radius_m, 1.0);
+    let several = several_layers(&surface_models(&scene, radius_m * core::f64::consts::FRAC_1_SQRT_2, 0.5));
+    let hidden = occluded(&scene, &tracer, size_px);
+    let [median, high] = heights_m;
+    eprintln!(
+        "forest {seed}: gaps {gaps:.3}, cover {cover:.3}, heights {median:.1} and {high:.1} m, several layers \
+         {several:.3}, occluded {hidden:.3}"
+    );
+    ForestNumbers { gaps, cover, heights_m, several, hidden }
+}
+
+/// A small forest: whoever looks down sees crowns, gaps, and ground under crowns.
+#[test]
+fn a_small_forest() {
+    let mut region = Region::by_name("forest").expect("registered");
+    let Region::Forest(p) = &mut region else { unreachable!("asked for by name") };
+    p.radius_m = 90.0;
+    let ForestNumbers { gaps, cover, heights_m, several, hidden } = forest_numbers(&region, 1, 90.0, 256);
+    assert!((0.03..=0.25).contains(&gaps) && (0.72..=0.97).contains(&cover), "gaps {gaps}, cover {cover}");
+    assert!((16.0..=26.0).contains(&heights_m[0]) && (22.0..=34.0).contains(&heights_m[1]), "{heights_m:?}");
+    assert!(several > 0.6, "several layers {several}");
+    assert!((0.08..=0.4).contains(&hidden), "occluded {hidden}");
+}
+
+/// The numbers of whole forests over the circle that frames see.
+#[test]
+#[ignore = "minutes without optimisation: run by ./check --long"]
+fn forest() {
+    let mut faults = Vec::new();
+    for seed in [1, 2, 3, 4, 5] {
+        let region = Region::by_name("forest").expect("registered");
+        let ForestNumbers { gaps, cover, heights_m, several, hidden } = forest_numbers(&region, seed, 434.0, 1024);
+        let fine = (0.05..=0.20).contains(&gaps)
+            && (0.75..=0.95).contains(&cover)
+            && (16.0..=26.0).contains(&heights_m[0])
+            && (24.0..=34.0).contains(&heights_m[1])
+            && several > 0.6
+            && (0.10..=0.35).contains(&hidden);
+        if !fine {
+            faults.push(format!("seed {seed}: {gaps} {cover} {heights_m:?} {several} {hidden}"));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 /// Slopes of the map's cells in whole degrees, counted.

@@ -331,7 +331,9 @@ fn every_preset_has_a_plan_and_quickstart_is_small() {
     let dir = tempfile::tempdir().unwrap();
     let listed = stdout(&satseed(dir.path(), &["presets"]));
     let names: Vec<_> = listed.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
-    assert_eq!(names, ["quickstart", "satunreal", "canyon", "toronto", "desert", "field"]);
+    let general = ["quickstart", "satunreal", "satseed", "lowtexture", "ablation"];
+    let regions = ["canyon", "toronto", "desert", "field", "forest"];
+    assert_eq!(names, [&general[..], &regions].concat());
     for name in names {
         let output = satseed(dir.path(), &["plan", name, "--format", "jsonl"]);
         assert!(output.status.success(), "{name}: {}", stderr(&output));

@@ -21,14 +21,7 @@ const RADIUS_M: f64 = 70.0;
 
 /// A region at a size that a test can afford.
 fn small(name: &str) -> Region {
-    let mut region = Region::by_name(name).expect("registered");
-    match &mut region {
-        Region::Canyon(p) => p.radius_m = RADIUS_M,
-        Region::Toronto(p) => p.radius_m = RADIUS_M,
-        Region::Desert(p) => p.radius_m = RADIUS_M,
-        Region::Field(p) => p.radius_m = RADIUS_M,
-    }
-    region
+    Region::by_name(name).expect("registered").with_radius_m(RADIUS_M)
 }
 
 /// What a region's file says: its version, and the hashes of scene, labels and images.
@@ -128,6 +121,11 @@ fn field() {
 }
 
 #[test]
+fn forest() {
+    check("forest");
+}
+
+#[test]
 fn toronto() {
     check("toronto");
 }
@@ -141,7 +139,7 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "canyon", "desert", "field", "toronto"])
+        .args(["--exact", "canyon", "desert", "field", "forest", "toronto"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()

@@ -168,14 +168,7 @@ fn pitched_roofs_show_no_backs() {
 }
 
 fn reduced(name: &str, radius_m: f64) -> Region {
-    let mut region = Region::by_name(name).expect("registered");
-    match &mut region {
-        Region::Canyon(p) => p.radius_m = radius_m,
-        Region::Toronto(p) => p.radius_m = radius_m,
-        Region::Desert(p) => p.radius_m = radius_m,
-        Region::Field(p) => p.radius_m = radius_m,
-    }
-    region
+    Region::by_name(name).expect("registered").with_radius_m(radius_m)
 }
 
 fn prove(name: &str, scene: &Scene, per_side: u32) {
@@ -221,4 +214,10 @@ fn full_deserts_are_whole() {
 #[ignore = "long: 5 * 10^7 rays at regions of full size"]
 fn full_fields_are_whole() {
     full_region("field");
+}
+
+#[test]
+#[ignore = "long: 5 * 10^7 rays at regions of full size"]
+fn full_forests_are_whole() {
+    full_region("forest");
 }

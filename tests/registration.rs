@@ -185,13 +185,7 @@ fn pictures_and_labels_are_registered() {
 #[test]
 fn pictures_and_labels_of_regions_are_registered() {
     for name in Region::NAMES {
-        let mut region = Region::by_name(name).expect("registered");
-        match &mut region {
-            Region::Canyon(p) => p.radius_m = 80.0,
-            Region::Toronto(p) => p.radius_m = 80.0,
-            Region::Desert(p) => p.radius_m = 80.0,
-            Region::Field(p) => p.radius_m = 80.0,
-        }
+        let region = Region::by_name(name).expect("registered").with_radius_m(80.0);
         let scene = region.build(12);
         let pair = images(&scene, &rig(0.8, scene.pivot_height_m, 160), Sensor::WORLDVIEW3_RGB, 16, &noon());
         let shift = prove(name, &pair, 2000);

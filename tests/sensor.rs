@@ -381,13 +381,7 @@ const ENCODINGS: [(&str, &str); 7] = [
 #[ignore = "minutes without optimisation: run by ./check --long"]
 fn more_samples_err_less() {
     for name in Region::NAMES {
-        let mut region = Region::by_name(name).expect("registered");
-        match &mut region {
-            Region::Canyon(p) => p.radius_m = 80.0,
-            Region::Toronto(p) => p.radius_m = 80.0,
-            Region::Desert(p) => p.radius_m = 80.0,
-            Region::Field(p) => p.radius_m = 80.0,
-        }
+        let region = Region::by_name(name).expect("registered").with_radius_m(80.0);
         let scene = region.build(3);
         let tracer = Tracer::new(&scene);
         let light = Light::of(&tracer, &noon());
@@ -418,13 +412,7 @@ fn more_samples_err_less() {
 #[ignore = "minutes without optimisation: run by ./check --long"]
 fn the_lattice_errs_little() {
     for (name, seed) in [("canyon", 7), ("toronto", 3)] {
-        let mut region = Region::by_name(name).expect("registered");
-        match &mut region {
-            Region::Canyon(p) => p.radius_m = 120.0,
-            Region::Toronto(p) => p.radius_m = 120.0,
-            Region::Desert(p) => p.radius_m = 120.0,
-            Region::Field(p) => p.radius_m = 120.0,
-        }
+        let region = Region::by_name(name).expect("registered").with_radius_m(120.0);
         let scene = region.build(seed);
         let tracer = Tracer::new(&scene);
         let plain = Light::of(&tracer, &noon());

@@ -8,6 +8,7 @@ pub mod canyon;
 pub mod city;
 pub mod desert;
 pub mod field;
+pub mod forest;
 pub mod kit;
 mod parameters;
 
@@ -83,6 +84,15 @@ macro_rules! registry {
                 }
             }
 
+            /// The same region with another radius of full detail, m; [`Region::check`] tells whether it is legal.
+            #[must_use]
+            pub fn with_radius_m(mut self, radius_m: f64) -> Self {
+                match &mut self {
+                    $(Self::$variant(p) => p.radius_m = radius_m,)*
+                }
+                self
+            }
+
             /// Upper bound of what building and holding the scene takes, bytes, from the parameters alone.
             pub fn memory_bound_bytes(&self) -> u64 {
                 match self {
@@ -107,4 +117,5 @@ registry! {
     Toronto, toronto, "toronto";
     Desert, desert, "desert";
     Field, field, "field";
+    Forest, forest, "forest";
 }

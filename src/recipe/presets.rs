@@ -13,10 +13,14 @@ pub struct Preset {
 pub const PRESETS: &[Preset] = &[
     Preset { name: "quickstart", text: include_str!("../../presets/quickstart.toml") },
     Preset { name: "satunreal", text: include_str!("../../presets/satunreal.toml") },
+    Preset { name: "satseed", text: include_str!("../../presets/satseed.toml") },
+    Preset { name: "lowtexture", text: include_str!("../../presets/lowtexture.toml") },
+    Preset { name: "ablation", text: include_str!("../../presets/ablation.toml") },
     Preset { name: "canyon", text: include_str!("../../presets/canyon.toml") },
     Preset { name: "toronto", text: include_str!("../../presets/toronto.toml") },
     Preset { name: "desert", text: include_str!("../../presets/desert.toml") },
     Preset { name: "field", text: include_str!("../../presets/field.toml") },
+    Preset { name: "forest", text: include_str!("../../presets/forest.toml") },
 ];
 
 impl Preset {

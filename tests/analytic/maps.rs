@@ -88,13 +88,7 @@ fn surface_models_of_boxes() {
 #[test]
 fn surface_models_agree_with_rays() {
     for name in Region::NAMES {
-        let mut region = Region::by_name(name).expect("registered");
-        match &mut region {
-            Region::Canyon(p) => p.radius_m = 60.0,
-            Region::Toronto(p) => p.radius_m = 60.0,
-            Region::Desert(p) => p.radius_m = 60.0,
-            Region::Field(p) => p.radius_m = 60.0,
-        }
+        let region = Region::by_name(name).expect("registered").with_radius_m(60.0);
         let scene = region.build(5);
         let tracer = Tracer::new(&scene);
         let models = surface_models(&scene, 60.0, 0.3);

@@ -73,14 +73,7 @@ fn region_pair(scene: &Scene, size_px: u32, altitude_m: f64) -> StereoRig {
 
 /// A region whose full detail reaches `radius_m` only.
 fn reduced(name: &str, radius_m: f64) -> Region {
-    let mut region = Region::by_name(name).expect("registered");
-    match &mut region {
-        Region::Canyon(p) => p.radius_m = radius_m,
-        Region::Toronto(p) => p.radius_m = radius_m,
-        Region::Desert(p) => p.radius_m = radius_m,
-        Region::Field(p) => p.radius_m = radius_m,
-    }
-    region
+    Region::by_name(name).expect("registered").with_radius_m(radius_m)
 }
 
 #[test]

@@ -15,3 +15,4 @@ pub mod streets;
 pub mod terrain;
 pub mod trees;
 pub mod vehicles;
+pub mod woods;
