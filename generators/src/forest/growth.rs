@@ -85,8 +85,8 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
         let outside = stands.outside_m(p);
         // A few old trees stand on clear-cuts; young ones come up in gaps.
         let kind = match stand.kind {
-            Kind::Cut if draw(6) < 0.012 => Kind::Grown,
-            Kind::Cut if draw(6) < 0.10 => Kind::Young,
+            Kind::Cut if draw(6) < 0.0025 => Kind::Grown,
+            Kind::Cut if draw(6) < 0.06 => Kind::Young,
             Kind::Cut => continue,
             Kind::Grown if outside < 0.0 => {
                 if draw(6) < 0.16 {

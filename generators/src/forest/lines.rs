@@ -16,6 +16,7 @@ pub(super) struct Part {
 }
 
 /// Where a place is, seen from a line.
+#[allow(clippy::struct_field_names, reason = "the unit stands in the name")]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
     /// Distance from the line, m, positive on its left.

@@ -57,7 +57,7 @@ pub(super) struct Stands {
     seed: u32,
     gap_seed: u32,
     across: i32,
-    stands: Vec<Stand>,
+    all: Vec<Stand>,
     density: f64,
 }
 
@@ -66,15 +66,15 @@ impl Stands {
         let seed = path.hash_u32();
         let half = libm::ceil(HALF_M / STAND_M) as i32 + 1;
         let across = 2 * half;
-        let mut stands = Vec::with_capacity((across * across) as usize);
+        let mut all = Vec::with_capacity((across * across) as usize);
         for j in -half..half {
             for i in -half..half {
                 let at = nucleus(i, j, seed) * STAND_M;
                 let key = path.index((u64::from(i as u32) << 32) | u64::from(j as u32));
-                stands.push(stand(land, params, at, &key));
+                all.push(stand(land, params, at, &key));
             }
         }
-        Self { seed, gap_seed: path.child("gaps").hash_u32(), across, stands, density: params.density }
+        Self { seed, gap_seed: path.child("gaps").hash_u32(), across, all, density: params.density }
     }
 
     /// The stand of a place. Borders are ragged.
@@ -91,7 +91,7 @@ impl Stands {
             }
         }
         let index = |k: i32| (k + self.across / 2).clamp(0, self.across - 1);
-        &self.stands[(index(found.1) * self.across + index(found.0)) as usize]
+        &self.all[(index(found.1) * self.across + index(found.0)) as usize]
     }
 
     /// How far a place lies outside the nearest gap or clearing, m; negative inside.

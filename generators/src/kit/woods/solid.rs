@@ -87,6 +87,7 @@ impl Solids {
 
     /// A ragged ball. Every corner lies at its own distance, a share of the radius between `1 - jag` and `1 + jag`, and
     /// is shaded as a point of both the ball and what `shaded_from` is the middle of.
+    #[allow(clippy::too_many_arguments, reason = "a lump has that many properties")]
     pub(super) fn lump(
         &mut self,
         slot: u16,
