@@ -176,8 +176,6 @@ fn bad_recipes_are_refused_where_they_are_wrong() {
     }
 }
 
-/// The preset `linear` writes `OpenEXR`: a build without it says so.
-
 /// The same for the scenes, which make the whole recipe here.
 const BAD_SCENES: &[(&str, &str, &[&str])] = &[
     ("", "1:1", &["no `[[scene]]`"]),

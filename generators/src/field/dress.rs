@@ -189,7 +189,7 @@ impl Look {
         Layer::Brightness { amount: amount.times(self.contrast) }
     }
 
-    fn noise(&self, seed: u32, wavelength_m: f32, octaves: u8, gain: f32) -> Field {
+    fn noise(seed: u32, wavelength_m: f32, octaves: u8, gain: f32) -> Field {
         Field::Noise(Fractal::new(Space::Plan, seed, wavelength_m, octaves).gain(gain))
     }
 
@@ -227,8 +227,8 @@ impl Look {
             amount: raster(channel::MOIST).ramp(0.42, 0.85).times(wet),
         });
         self.common(m)
-            .with(self.brightness(self.noise(self.seed("clods"), 1.5, 3, 0.95).times(0.17)))
-            .bumpy(self.noise(self.seed("clod bump"), 1.3, 2, 0.8), 0.03 * self.contrast)
+            .with(self.brightness(Self::noise(self.seed("clods"), 1.5, 3, 0.95).times(0.17)))
+            .bumpy(Self::noise(self.seed("clod bump"), 1.3, 2, 0.8), 0.03 * self.contrast)
     }
 
     /// Grass with its tussocks and bare spots.
@@ -242,8 +242,8 @@ impl Look {
                 color: self.apart(Bands::new(0.048, 0.080, 0.056, 0.30)),
                 amount: raster(channel::WEEDS).times(0.5),
             })
-            .with(self.brightness(self.noise(self.seed("tussocks"), 2.1, 3, 0.9).times(0.24)))
-            .bumpy(self.noise(self.seed("tussock bump"), 1.6, 2, 0.8), 0.03 * self.contrast)
+            .with(self.brightness(Self::noise(self.seed("tussocks"), 2.1, 3, 0.9).times(0.24)))
+            .bumpy(Self::noise(self.seed("tussock bump"), 1.6, 2, 0.8), 0.03 * self.contrast)
     }
 
     /// Materials of borders, by slot.
@@ -280,10 +280,13 @@ impl Look {
             .with(Layer::Mix { color: self.apart(self.soil), amount: raster(channel::WEEDS).times(0.35) })
             .with(Layer::Mix {
                 color: self.apart(self.grass),
-                amount: Field::Sum(vec![on(edge, 0.28, 0.2), self.noise(self.seed("crumble"), 1.4, 2, 0.9).times(0.5)])
-                    .ramp(0.45, 0.95),
+                amount: Field::Sum(vec![
+                    on(edge, 0.28, 0.2),
+                    Self::noise(self.seed("crumble"), 1.4, 2, 0.9).times(0.5),
+                ])
+                .ramp(0.45, 0.95),
             })
-            .with(self.brightness(self.noise(self.seed("asphalt"), 0.9, 2, 1.0).times(0.09)));
+            .with(self.brightness(Self::noise(self.seed("asphalt"), 0.9, 2, 1.0).times(0.09)));
         let rut = RUT_M as f32;
         let track = self
             .grassland("track", Class::Ground, self.grass)
@@ -291,7 +294,7 @@ impl Look {
                 color: self.apart(self.soil * 1.22),
                 amount: Field::Sum(vec![
                     on(rut, 0.42, 0.2),
-                    self.noise(self.seed("rut"), 3.6, 3, 0.7).times(0.55),
+                    Self::noise(self.seed("rut"), 3.6, 3, 0.7).times(0.55),
                     raster(channel::WEEDS).times(0.3),
                 ])
                 .ramp(0.32, 0.85),
@@ -300,7 +303,7 @@ impl Look {
                 color: self.apart(self.soil * 0.6),
                 amount: product(vec![
                     on(rut, 0.3, 0.15),
-                    self.noise(self.seed("puddle"), 5.0, 2, 0.6).ramp(0.25, 0.4),
+                    Self::noise(self.seed("puddle"), 5.0, 2, 0.6).ramp(0.25, 0.4),
                     raster(channel::MOIST).ramp(0.4, 0.7),
                 ])
                 .times(0.8),
@@ -309,7 +312,7 @@ impl Look {
             self.grassland("verge", Class::LowVegetation, self.grass.lerp(Bands::new(0.05, 0.08, 0.06, 0.3), 0.25));
         let ditch = self.grassland("ditch", Class::LowVegetation, self.grass * 0.9).with(Layer::Mix {
             color: self.apart(Bands::new(0.040, 0.052, 0.050, 0.10)),
-            amount: Field::Sum(vec![raster(channel::BOTTOM), self.noise(self.seed("reeds"), 2.6, 3, 0.7).times(0.45)])
+            amount: Field::Sum(vec![raster(channel::BOTTOM), Self::noise(self.seed("reeds"), 2.6, 3, 0.7).times(0.45)])
                 .ramp(0.62, 0.95),
         });
         vec![lane, track, verge, ditch]
@@ -384,7 +387,7 @@ impl Look {
                         color: self.apart(self.grass * 1.05),
                         amount: Field::Sum(vec![
                             turned(alley, axis),
-                            self.noise(seed("alley"), 3.0, 3, 0.8).times(0.4),
+                            Self::noise(seed("alley"), 3.0, 3, 0.8).times(0.4),
                         ])
                         .ramp(0.3, 0.8)
                         .times(0.85),
@@ -462,7 +465,7 @@ impl Look {
                     color: self.apart(loam.lerp(self.grass, 0.3)),
                     amount: product(vec![paths, raster(channel::HUE).ramp(0.35, 0.6)]).times(0.55),
                 })
-                .with(self.brightness(self.noise(seed("grazed"), 13.0, 4, 0.65).times(0.26)))
+                .with(self.brightness(Self::noise(seed("grazed"), 13.0, 4, 0.65).times(0.26)))
             }
             Crop::Hay => {
                 let m = self.grassland(facts.name, Class::LowVegetation, self.green(parcel));
@@ -479,17 +482,17 @@ impl Look {
                 self.common(m)
                     .with(Layer::Mix {
                         color: self.apart(self.soil),
-                        amount: self.noise(seed("mud"), 16.0, 4, 0.6).ramp(-0.05, 0.35).times(0.75),
+                        amount: Self::noise(seed("mud"), 16.0, 4, 0.6).ramp(-0.05, 0.35).times(0.75),
                     })
                     .with(Layer::Mix {
                         color: self.apart(self.grass),
                         amount: Field::Sum(vec![
                             raster(channel::EDGE).affine(-4.0, 0.55),
-                            self.noise(seed("lawn"), 22.0, 3, 0.6).times(0.9),
+                            Self::noise(seed("lawn"), 22.0, 3, 0.6).times(0.9),
                         ])
                         .ramp(0.22, 0.4),
                     })
-                    .with(self.brightness(self.noise(seed("gravel"), 1.2, 2, 1.0).times(0.10)))
+                    .with(self.brightness(Self::noise(seed("gravel"), 1.2, 2, 1.0).times(0.10)))
             }
             Crop::Stubble | Crop::Straw | Crop::Bales => {
                 let m = self.soil(facts.name, loam, 0.55);
@@ -500,7 +503,7 @@ impl Look {
                     amount: Field::Sum(vec![
                         Field::Constant(cover),
                         raster(channel::VIGOUR).affine(0.5, -0.25),
-                        self.noise(seed("straw"), 2.4, 3, 0.9).times(0.30),
+                        Self::noise(seed("straw"), 2.4, 3, 0.9).times(0.30),
                     ]),
                 });
                 let m = self.passes(m, axis, width, 0.05, seed("combine"), width);
@@ -514,7 +517,7 @@ impl Look {
                     color: self.apart(self.green(parcel) * 1.18),
                     amount: product(vec![
                         turned(chaff, axis),
-                        Field::Sum(vec![Field::Constant(0.7), self.noise(seed("chaff"), 2.0, 3, 0.9)]).ramp(0.0, 1.0),
+                        Field::Sum(vec![Field::Constant(0.7), Self::noise(seed("chaff"), 2.0, 3, 0.9)]).ramp(0.0, 1.0),
                     ])
                     .times(shown),
                 })
@@ -530,7 +533,7 @@ impl Look {
                 // Straw not wholly ploughed in, and the first weeds.
                 m.with(Layer::Mix {
                     color: self.apart(Bands::new(0.115, 0.158, 0.195, 0.27)),
-                    amount: self.noise(seed("trash"), 9.0, 4, 0.75).ramp(0.1, 0.7).times(0.35),
+                    amount: Self::noise(seed("trash"), 9.0, 4, 0.75).ramp(0.1, 0.7).times(0.35),
                 })
                 .with(Layer::Mix { color: self.apart(self.grass), amount: raster(channel::WEEDS).times(0.22) })
                 .with(self.drains(parcel, 0.13))
@@ -584,7 +587,7 @@ impl Look {
             });
             if matches!(parcel.crop, Crop::WheatGreen | Crop::WheatRipe | Crop::Barley) {
                 m = m.with(self.brightness(raster(channel::LODGED).times(0.08))).with(self.brightness(
-                    product(vec![raster(channel::LODGED), self.noise(seed("swirl"), 3.1, 3, 0.8)]).times(0.22),
+                    product(vec![raster(channel::LODGED), Self::noise(seed("swirl"), 3.1, 3, 0.8)]).times(0.22),
                 ));
             }
             // The rim is thinner: shade, weeds, a turned wheel.
@@ -592,15 +595,15 @@ impl Look {
                 color: self.apart(poor),
                 amount: Field::Sum(vec![
                     raster(channel::EDGE).ramp(3.0 / EDGE_M as f32, 0.0),
-                    self.noise(seed("rim"), 5.0, 3, 0.7).times(0.5),
+                    Self::noise(seed("rim"), 5.0, 3, 0.7).times(0.5),
                 ])
                 .ramp(0.35, 1.1)
                 .times(0.7),
             });
             m = m.with(self.drains(parcel, -0.06));
             m = m
-                .with(self.brightness(self.noise(seed("grain"), 1.15, 2, 1.0).times(0.10)))
-                .bumpy(self.noise(seed("bump"), 1.2, 2, 0.9), 0.035 * self.contrast);
+                .with(self.brightness(Self::noise(seed("grain"), 1.15, 2, 1.0).times(0.10)))
+                .bumpy(Self::noise(seed("bump"), 1.2, 2, 0.9), 0.035 * self.contrast);
         } else {
             m = m
                 .with(self.brightness(Field::Variation(1).times(0.12)))

@@ -97,6 +97,7 @@ impl Site<'_> {
         found
     }
 
+    #[allow(clippy::too_many_arguments)]
     fn add(
         &mut self,
         mesh: Mesh,
@@ -117,6 +118,7 @@ impl Site<'_> {
         self.things.push(Thing { kind: Kind { meshes: vec![mesh], materials, class }, placed });
     }
 
+    #[allow(clippy::too_many_arguments)]
     fn building(
         &mut self,
         p: DVec2,

@@ -313,7 +313,8 @@ fn assign(parcels: &mut [Parcel], borders: &[Border], season: Season, variant: V
             }
             let species: f64 = TABLE.iter().zip(&counts).filter(|(t, _)| t.species == f.species).map(|(_, c)| c).sum();
             // Old ones are forgotten, so that far parcels are as mixed as near ones.
-            f.weights[column] / (1.0 + 1.5 * species + 2.0 * counts[f.crop as usize]).powi(2)
+            let often = 1.0 + 1.5 * species + 2.0 * counts[f.crop as usize];
+            f.weights[column] / (often * often)
         };
         let weights: Vec<f64> = TABLE.iter().map(weight).collect();
         parcels[k].crop = if weights.iter().all(|w| *w == 0.0) {
@@ -328,7 +329,9 @@ fn assign(parcels: &mut [Parcel], borders: &[Border], season: Season, variant: V
         done[k] = true;
         counts[parcels[k].crop as usize] += 1.0;
         if turn % 16 == 15 {
-            counts.iter_mut().for_each(|c| *c *= 0.5);
+            for count in &mut counts {
+                *count *= 0.5;
+            }
         }
     }
 }

@@ -258,7 +258,7 @@ pub(super) fn place(relief: &Relief, parcel: &Parcel, stand: &Stand, path: &Seed
             let middle = 0.5 * (at(pass) + at(next - 1));
             for k in 0..count as u32 {
                 let place = area.world(a + f64::from(k) * BLOCK_M[0], middle);
-                block(relief, parcel, stand, place, parcel.axis, 0, &mut rng, &mut out);
+                block(relief, stand, place, parcel.axis, 0, &mut rng, &mut out);
             }
         }
         for (k, stretch) in (pass..next).zip(&stretches) {
@@ -291,7 +291,7 @@ fn single(
         let length = if to - u >= BLOCK_M[2] { 2 } else { 3 };
         let place = area.world(u, v);
         if relief.thin(place) < rng.range(0.3, 2.0) {
-            block(relief, parcel, stand, place, parcel.axis, length, rng, out);
+            block(relief, stand, place, parcel.axis, length, rng, out);
         }
         u += BLOCK_M[length];
     }
@@ -300,16 +300,7 @@ fn single(
 /// A piece, unless it lies beyond the full detail. A block of a whole pass on poor ground is made of single rows with
 /// gaps.
 #[allow(clippy::too_many_arguments)]
-fn block(
-    relief: &Relief,
-    parcel: &Parcel,
-    stand: &Stand,
-    at: DVec2,
-    axis: DVec2,
-    length: usize,
-    rng: &mut Rng,
-    out: &mut Vec<Placed>,
-) {
+fn block(relief: &Relief, stand: &Stand, at: DVec2, axis: DVec2, length: usize, rng: &mut Rng, out: &mut Vec<Placed>) {
     if !relief.is_detailed(at) {
         return;
     }
@@ -321,7 +312,7 @@ fn block(
             for k in 0..(long / BLOCK_M[2]) as u32 {
                 let place = at + axis.perp() * y + axis * (f64::from(k) * BLOCK_M[2]);
                 if relief.thin(place) < rng.range(0.15, 1.9) {
-                    block(relief, parcel, stand, place, axis, 2, rng, out);
+                    block(relief, stand, place, axis, 2, rng, out);
                 }
             }
         }
@@ -354,7 +345,7 @@ fn headland(relief: &Relief, parcel: &Parcel, stand: &Stand, distance_m: f64, pa
         for i in 0..count {
             let s = start + f64::from(i) * BLOCK_M[1];
             let (p, q) = (warp.world(a + along * s), warp.world(a + along * (s + BLOCK_M[1])));
-            block(relief, parcel, stand, p, (q - p).normalize(), 1, &mut rng, out);
+            block(relief, stand, p, (q - p).normalize(), 1, &mut rng, out);
         }
     }
 }

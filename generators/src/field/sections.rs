@@ -133,7 +133,9 @@ fn circle(_params: &Params, quarter: &Tagged, code: u64, with_yard: bool, path: 
         .map(|k| ((k as f64 + rng.range(-0.22, 0.22)) * ARCS as f64 / count as f64 + 200.0) as usize % ARCS)
         .collect();
     let turn = rng.below(ARCS as u64) as usize;
-    cuts.iter_mut().for_each(|k| *k = (*k + turn) % ARCS);
+    for cut in &mut cuts {
+        *cut = (*cut + turn) % ARCS;
+    }
     cuts.sort_unstable();
     let spokes: Vec<u32> = cuts
         .iter()
@@ -173,7 +175,7 @@ fn circle(_params: &Params, quarter: &Tagged, code: u64, with_yard: bool, path: 
         let code = (3 << 32) + (code << 16) + 4 * k as u64;
         let mut whole = Tagged { corners, borders };
         if with_yard && nearest == Some(k) {
-            whole = yard(whole, c[k], [before, after], code + 1, sheet, path);
+            whole = yard(&whole, c[k], [before, after], code + 1, sheet, path);
         }
         let Tagged { corners, borders } = whole;
         sheet.pieces.push(Piece { whole: corners, borders, code, convex: false, crop: None, pivot: None });
@@ -182,7 +184,7 @@ fn circle(_params: &Params, quarter: &Tagged, code: u64, with_yard: bool, path: 
 
 /// Takes a rectangle out of a corner piece; what is left keeps its arc.
 fn yard(
-    whole: Tagged,
+    whole: &Tagged,
     corner: DVec2,
     [before, after]: [DVec2; 2],
     code: u64,
