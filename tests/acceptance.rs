@@ -314,7 +314,7 @@ fn field() {
         };
         let extra = Extra { instance: true, elevation: true, ..Extra::default() };
         let labels = extract(&tracer, &rig, View::Left, &environment, extra);
-        let hidden = labels.validity.iter().filter(|v| **v == Validity::Occluded as u8).count();
+        let hidden = labels.validity.iter().map(|v| usize::from(*v == Validity::Occluded as u8)).sum::<usize>();
         let all = labels.validity.len() as f64;
         let occluded = hidden as f64 / all;
         let instances = labels.instance.as_ref().expect("asked for");
