@@ -118,16 +118,25 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
         Edge::Margin if rng.chance(0.12) => (rng.range(30.0, 80.0), 0.5),
         _ => (0.0, 0.0),
     };
-    if border.edge != Edge::Hedge && tree_m == 0.0 || factor == 0.0 {
+    // Old lanes and tracks have a hedge on one side; those of section land have none.
+    let old = plan.pivots.is_empty();
+    let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
+    let hedge_m = match border.edge {
+        Edge::Hedge => Some(0.0),
+        Edge::Lane if old && rng.chance((0.65 * factor).min(0.9)) => Some(4.7 * side),
+        Edge::Track if old && rng.chance((0.6 * factor).min(0.9)) => Some(2.5 * side),
+        _ => None,
+    };
+    if hedge_m.is_none() && tree_m == 0.0 || factor == 0.0 {
         return (pieces, trees);
     }
     let along = (b - a) / length;
     let gate = rng.range(0.15, 0.85) * length;
-    if border.edge == Edge::Hedge {
+    if let Some(hedge_m) = hedge_m {
         for k in 0..(length / PIECE_M) as u32 {
             let mut rng = path.child("piece").index(k.into()).rng();
             let s = (f64::from(k) + 0.5) * PIECE_M;
-            let q = a + along * s + along.perp() * (0.25 * rng.signed());
+            let q = a + along * s + along.perp() * (hedge_m + 0.25 * rng.signed());
             let p = plan.warp.world(q);
             if rng.chance(style.gaps)
                 || (s - gate).abs() < 3.2
@@ -150,8 +159,9 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
     let tree_m = tree_m / factor;
     let mut s = tree_m * rng.range(0.2, 1.0);
     let mut k = 0;
-    while s < length - 4.0 {
+    while tree_m > 0.0 && s < length - 4.0 {
         let mut rng = path.child("tree").index(k).rng();
+        let step_m = tree_m * rng.range(0.55, 1.6);
         let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
         let q = a + along * s + along.perp() * (away_m * side + 0.3 * rng.signed());
         let p = plan.warp.world(q);
@@ -159,7 +169,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
             trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.8, 1.7], &mut rng, format!("tree/{index}/{k}")));
         }
         k += 1;
-        s += tree_m * rng.range(0.55, 1.6);
+        s += step_m;
     }
     (pieces, trees)
 }

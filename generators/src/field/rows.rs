@@ -246,7 +246,6 @@ pub(super) fn place(relief: &Relief, parcel: &Parcel, stand: &Stand, path: &Seed
     let mut pass = first;
     while pass <= last {
         let next = (pass + i64::from(stand.pass)).min(last + 1);
-        let mut rng = key.child("pass").index(pass as u64).rng();
         let stretches: Vec<Option<[f64; 2]>> = (pass..next).map(|k| area.stretch(at(k))).collect();
         let whole = (next - pass == i64::from(stand.pass) && stretches.iter().all(Option::is_some))
             .then(|| stretches.iter().flatten().fold([f64::MIN, f64::MAX], |[a, b], s| [a.max(s[0]), b.min(s[1])]));
@@ -258,14 +257,14 @@ pub(super) fn place(relief: &Relief, parcel: &Parcel, stand: &Stand, path: &Seed
             let middle = 0.5 * (at(pass) + at(next - 1));
             for k in 0..count as u32 {
                 let place = area.world(a + f64::from(k) * BLOCK_M[0], middle);
-                block(relief, stand, place, parcel.axis, 0, &mut rng, &mut out);
+                block(relief, stand, place, parcel.axis, 0, &key, &mut out);
             }
         }
         for (k, stretch) in (pass..next).zip(&stretches) {
             let Some([a, b]) = *stretch else { continue };
             let parts = if blocks[1] > blocks[0] { vec![[a, blocks[0]], [blocks[1], b]] } else { vec![[a, b]] };
             for [from, to] in parts {
-                single(relief, parcel, stand, &area, at(k), from, to, &mut rng, &mut out);
+                single(relief, parcel, stand, &area, at(k), from, to, &key, &mut out);
             }
         }
         pass = next;
@@ -283,15 +282,16 @@ fn single(
     v: f64,
     from: f64,
     to: f64,
-    rng: &mut Rng,
+    path: &SeedPath,
     out: &mut Vec<Placed>,
 ) {
+    let rng = &mut path.child("row").index((v * 1024.0) as i64 as u64).rng();
     let mut u = from;
     while to - u > 0.8 {
         let length = if to - u >= BLOCK_M[2] { 2 } else { 3 };
         let place = area.world(u, v);
         if relief.thin(place) < rng.range(0.3, 2.0) {
-            block(relief, stand, place, parcel.axis, length, rng, out);
+            block(relief, stand, place, parcel.axis, length, path, out);
         }
         u += BLOCK_M[length];
     }
@@ -300,10 +300,21 @@ fn single(
 /// A piece, unless it lies beyond the full detail. A block of a whole pass on poor ground is made of single rows with
 /// gaps.
 #[allow(clippy::too_many_arguments)]
-fn block(relief: &Relief, stand: &Stand, at: DVec2, axis: DVec2, length: usize, rng: &mut Rng, out: &mut Vec<Placed>) {
+fn block(
+    relief: &Relief,
+    stand: &Stand,
+    at: DVec2,
+    axis: DVec2,
+    length: usize,
+    path: &SeedPath,
+    out: &mut Vec<Placed>,
+) {
     if !relief.is_detailed(at) {
         return;
     }
+    // Keyed by its place: which of its neighbours lie within the full detail must not show.
+    let place = Relief::on_lattice(at) * 1024.0;
+    let rng = &mut path.index(place.x as i64 as u64).index(place.y as i64 as u64).rng();
     let long = BLOCK_M[length];
     let middle = at + axis * (0.5 * long);
     if length < 2 && stand.pass > 1 && relief.thin(middle) > 0.12 {
@@ -312,7 +323,7 @@ fn block(relief: &Relief, stand: &Stand, at: DVec2, axis: DVec2, length: usize, 
             for k in 0..(long / BLOCK_M[2]) as u32 {
                 let place = at + axis.perp() * y + axis * (f64::from(k) * BLOCK_M[2]);
                 if relief.thin(place) < rng.range(0.15, 1.9) {
-                    block(relief, stand, place, axis, 2, rng, out);
+                    block(relief, stand, place, axis, 2, path, out);
                 }
             }
         }
@@ -333,7 +344,6 @@ fn block(relief: &Relief, stand: &Stand, at: DVec2, axis: DVec2, length: usize, 
 fn headland(relief: &Relief, parcel: &Parcel, stand: &Stand, distance_m: f64, path: &SeedPath, out: &mut Vec<Placed>) {
     let Some(line) = inset(&parcel.outline, distance_m) else { return };
     let n = line.len();
-    let mut rng = path.rng();
     let warp = relief.plan.warp;
     for k in 0..n {
         let (a, b) = (line[k], line[(k + 1) % n]);
@@ -345,7 +355,7 @@ fn headland(relief: &Relief, parcel: &Parcel, stand: &Stand, distance_m: f64, pa
         for i in 0..count {
             let s = start + f64::from(i) * BLOCK_M[1];
             let (p, q) = (warp.world(a + along * s), warp.world(a + along * (s + BLOCK_M[1])));
-            block(relief, stand, p, (q - p).normalize(), 1, &mut rng, out);
+            block(relief, stand, p, (q - p).normalize(), 1, path, out);
         }
     }
 }
