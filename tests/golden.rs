@@ -145,5 +145,5 @@ fn without_fma() {
         .output()
         .expect("the test binary runs");
     let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success() && text.contains("4 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && text.contains("5 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
 }

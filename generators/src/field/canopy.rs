@@ -8,6 +8,7 @@ use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::tin::Ground;
 use glam::{DVec2, DVec3};
 use satseed_scene::{Mesh, quantise_m};
+use std::collections::BTreeSet;
 
 /// Slot of a canopy's top.
 pub(super) const TOP: u16 = 0;
@@ -319,13 +320,15 @@ impl Canopy<'_> {
                 push(&mut mesh, [q[0], q[2], q[3]], TOP);
             }
         }
-        let south = (0..columns).map(|i| at(i, 0));
-        let east = (1..rows).map(|j| at(columns - 1, j));
-        let north = (0..columns - 1).rev().map(|i| at(i, rows - 1));
-        let west = (0..rows - 1).rev().map(|j| at(0, j));
-        let rim: Vec<u32> = south.chain(east).chain(north).chain(west).collect();
-        for pair in rim.windows(2) {
-            self.side(&mut mesh, pair[0], pair[1]);
+        // A side below every edge that only one triangle has: also where the lattice turned triangles, which are left out.
+        // Edges are told by their places, since the lattice may put two vertices into one.
+        let place = |v: u32| mesh.positions_m[v as usize].map(f32::to_bits);
+        let edges: Vec<[u32; 2]> =
+            mesh.triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]).collect();
+        let known: BTreeSet<_> = edges.iter().map(|[a, b]| [place(*a), place(*b)]).collect();
+        let open: Vec<_> = edges.iter().filter(|[a, b]| !known.contains(&[place(*b), place(*a)])).copied().collect();
+        for [a, b] in open {
+            self.side(&mut mesh, a, b);
         }
         mesh
     }
