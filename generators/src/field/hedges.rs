@@ -161,6 +161,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
     let mut k = 0;
     while tree_m > 0.0 && s < length - 4.0 {
         let mut rng = path.child("tree").index(k).rng();
+        let step_m = tree_m * rng.range(0.55, 1.6);
         let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
         let q = a + along * s + along.perp() * (away_m * side + 0.3 * rng.signed());
         let p = plan.warp.world(q);
@@ -168,7 +169,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
             trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.8, 1.7], &mut rng, format!("tree/{index}/{k}")));
         }
         k += 1;
-        s += tree_m * rng.range(0.55, 1.6);
+        s += step_m;
     }
     (pieces, trees)
 }
