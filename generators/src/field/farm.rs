@@ -29,16 +29,16 @@ pub(super) fn farmstead(relief: &Relief, parcel: &Parcel, path: &SeedPath) -> Ve
     let at = |x: f64, y: f64| axis * x + axis.perp() * y;
     // The great barn first; what does not fit any more is left out.
     let big = [rng.range(34.0, 42.0), rng.range(14.0, 18.0)];
-    yard.barn(at(-6.0, 19.0), axis, big, rng.range(5.0, 6.4), &mut rng, &path.child("barn"));
+    yard.barn(at(-6.0, 19.0), axis, big, rng.range(5.0, 6.4), &path.child("barn"));
     yard.round(at(22.0, 20.0), rng.range(2.5, 3.2), rng.range(9.0, 14.0), true, &path.child("silo"));
     yard.round(at(22.0, 12.5), rng.range(2.3, 2.9), rng.range(8.0, 12.0), true, &path.child("silo 2"));
     if rng.chance(0.7) {
         yard.round(at(28.5, 16.0), rng.range(2.0, 2.6), rng.range(6.0, 9.0), true, &path.child("silo 3"));
     }
     let second = [rng.range(22.0, 28.0), rng.range(10.0, 13.0)];
-    yard.barn(at(19.0, -9.0), axis.perp(), second, rng.range(4.0, 5.2), &mut rng, &path.child("shed"));
-    yard.house(at(-20.0, -18.0), axis, &mut rng, &path.child("house"));
-    yard.barn(at(-24.0, 1.0), axis, [rng.range(12.0, 17.0), 8.0], 3.6, &mut rng, &path.child("garage"));
+    yard.barn(at(19.0, -9.0), axis.perp(), second, rng.range(4.0, 5.2), &path.child("shed"));
+    yard.house(at(-20.0, -18.0), axis, &path.child("house"));
+    yard.barn(at(-24.0, 1.0), axis, [rng.range(12.0, 17.0), 8.0], 3.6, &path.child("garage"));
     yard.round(at(-2.0, -21.0), rng.range(6.5, 8.5), 2.6, false, &path.child("tank"));
     for k in 0..9_u64 {
         let key = path.child("machine").index(k);
@@ -76,12 +76,12 @@ impl Site<'_> {
         let p = Relief::on_lattice(self.middle + at);
         let outline = polygon::oriented_rectangle(p, axis, half + clear_m);
         let fits = outline.iter().all(|q| polygon::contains(&self.parcel.world, *q))
-            && self.taken.iter().all(|t| !polygon::convex_overlap(t, &outline))
-            && self.relief.is_detailed(p);
-        fits.then(|| {
+            && self.taken.iter().all(|t| !polygon::convex_overlap(t, &outline));
+        if fits {
             self.taken.push(outline);
-            p
-        })
+        }
+        // What lies beyond the full detail takes its place all the same, so that a crop's yard is the whole's.
+        (fits && self.relief.is_detailed(p)).then_some(p)
     }
 
     /// Highest and lowest ground under a rectangle, m.
@@ -139,17 +139,10 @@ impl Site<'_> {
         self.add(mesh, look, Class::Roof, p.extend(plan.ground_m), axis, format!("farm/{name}"), rng);
     }
 
-    fn barn(
-        &mut self,
-        at: DVec2,
-        axis: DVec2,
-        [length, width]: [f64; 2],
-        eaves_m: f64,
-        rng: &mut Rng,
-        path: &SeedPath,
-    ) {
+    fn barn(&mut self, at: DVec2, axis: DVec2, [length, width]: [f64; 2], eaves_m: f64, path: &SeedPath) {
         let half = DVec2::new(length, width) / 2.0;
         let Some(p) = self.take(at, axis, half, 1.2) else { return };
+        let rng = &mut path.child("own").rng();
         let roof = Roof::Gable { along_first: true, rise_m: width * rng.range(0.15, 0.24), eaves_m: 0.5, hip: 0.0 };
         let mass = mass(polygon::rectangle(-half, half), eaves_m, roof);
         let sheets = [
@@ -160,10 +153,11 @@ impl Site<'_> {
         ];
         let look = building_look(path, sheets[rng.below(4) as usize], Bands::new(0.17, 0.19, 0.20, 0.22), 1.05);
         // Rows of translucent sheets along the roof.
-        self.building(p, axis, vec![mass], Vec::new(), look, &format!("barn/{}", self.things.len()), rng);
+        self.building(p, axis, vec![mass], Vec::new(), look, &format!("barn/{}", self.taken.len()), rng);
     }
 
-    fn house(&mut self, at: DVec2, axis: DVec2, rng: &mut Rng, path: &SeedPath) {
+    fn house(&mut self, at: DVec2, axis: DVec2, path: &SeedPath) {
+        let rng = &mut path.child("own").rng();
         let half = DVec2::new(rng.range(6.0, 7.5), rng.range(4.2, 5.2));
         let Some(p) = self.take(at, axis, half + DVec2::new(0.0, 1.5), 1.0) else { return };
         let hip = if rng.chance(0.4) { 0.35 } else { 0.0 };
@@ -220,7 +214,7 @@ impl Site<'_> {
         } else {
             sheet("slurry", Class::OtherStructure, Bands::new(0.060, 0.075, 0.090, 0.11), seed ^ 1)
         };
-        let name = format!("farm/{}/{}", if silo { "silo" } else { "tank" }, self.things.len());
+        let name = format!("farm/{}/{}", if silo { "silo" } else { "tank" }, self.taken.len());
         self.add(b.finish(), vec![steel, top], Class::OtherStructure, p.extend(low), DVec2::X, name, &mut rng);
     }
 
@@ -230,7 +224,7 @@ impl Site<'_> {
         let Some(p) = self.take(at, axis, half, 0.5) else { return };
         let [top, bottom] = self.ground(p, axis, half);
         let mut rng = path.rng();
-        let name = format!("farm/{name}/{}", self.things.len());
+        let name = format!("farm/{name}/{}", self.taken.len());
         self.add(mesh, machine_look(path), Class::Vehicle, p.extend(0.5 * (top + bottom) - 0.05), axis, name, &mut rng);
     }
 }

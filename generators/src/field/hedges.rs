@@ -107,7 +107,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
         height: if wild < 0.55 { rng.range(0.75, 1.0) } else { rng.range(1.0, 1.7) },
         gaps: if rng.chance(0.3) { rng.range(0.05, 0.22) } else { 0.015 },
         wild,
-        tree_m: rng.range(13.0, 32.0),
+        tree_m: rng.range(13.0, 28.0),
     };
     // How many trees in how many metres, and how far from the middle line they stand.
     let (tree_m, away_m) = match border.edge {
@@ -166,7 +166,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
         let q = a + along * s + along.perp() * (away_m * side + 0.3 * rng.signed());
         let p = plan.warp.world(q);
         if relief.is_detailed(p) && plan.is_clear(q, Some(index), 0.5) && (s - gate).abs() > 4.0 {
-            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.8, 1.7], &mut rng, format!("tree/{index}/{k}")));
+            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.9, 1.75], &mut rng, format!("tree/{index}/{k}")));
         }
         k += 1;
         s += step_m;

@@ -380,10 +380,13 @@ pub(super) fn bales(relief: &Relief, parcel: &Parcel, path: &SeedPath) -> Vec<Pl
     let last = libm::floor(high / parcel.pass_m - 0.5) as i64;
     for k in (first..=last).filter(|k| k.rem_euclid(2) == 0) {
         let v = (k as f64 + 0.5) * parcel.pass_m;
-        let mut rng = key.index(k as u64).rng();
+        let key = key.index(k as u64);
         let Some([a, b]) = area.stretch(v) else { continue };
-        let mut u = a + spacing * rng.unit();
+        let mut u = a + spacing * key.rng().unit();
+        let mut number = 0;
         while u < b {
+            let mut rng = key.index(number).rng();
+            let step_m = spacing * rng.range(0.75, 1.3);
             let p = area.world(u, v + 0.5 * rng.signed());
             let (s, c) = libm::sincos(0.25 * rng.signed() + if rng.chance(0.2) { 1.4 } else { 0.0 });
             let axis = parcel.axis.rotate(DVec2::new(c, s));
@@ -400,10 +403,11 @@ pub(super) fn bales(relief: &Relief, parcel: &Parcel, path: &SeedPath) -> Vec<Pl
                     world_from_object: world,
                     variation: variation(&mut rng),
                     mesh: 0,
-                    path: format!("parcel/{}/bale/{k}/{}", parcel.code, out.len()),
+                    path: format!("parcel/{}/bale/{k}/{number}", parcel.code),
                 });
             }
-            u += spacing * rng.range(0.75, 1.3);
+            u += step_m;
+            number += 1;
         }
     }
     out
