@@ -189,6 +189,8 @@ fn pictures_and_labels_of_regions_are_registered() {
         let scene = region.build(12);
         let pair = images(&scene, &rig(0.8, scene.pivot_height_m, 160), Sensor::WORLDVIEW3_RGB, 16, &noon());
         let shift = prove(name, &pair, 2000);
-        assert!(shift.abs().max_element() <= 0.02, "{name}: off by {shift} px");
+        // Wider than above: rows of plants are narrower than these pixels, and of a pixel that holds row and soil the label
+        // tells one. A fault of half a pixel or of a sign is 0.1 px and more.
+        assert!(shift.abs().max_element() <= 0.03, "{name}: off by {shift} px");
     }
 }
