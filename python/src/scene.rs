@@ -2,7 +2,7 @@
 
 use crate::{GenerateError, RecipeError, arrays, background, recipe};
 use pyo3::prelude::*;
-use satseed::pipeline::{BuiltScene, PipelineError, make_sample, thread_pool};
+use satseed::pipeline::{BuiltScene, PipelineError, build_scene, make_sample, thread_pool};
 use satseed::plan::{Plan, SceneSpec};
 use satseed::recipe::Recipe;
 use self_cell::self_cell;
@@ -91,8 +91,7 @@ impl Scene {
 }
 
 fn build(recipe: Recipe, spec: SceneSpec) -> Result<Kept, PipelineError> {
-    let scene = spec.region.build(spec.seed);
-    scene.validate().map_err(|reason| PipelineError::Scene { name: spec.name.clone(), reason })?;
+    let scene = build_scene(&spec)?;
     let parts = Parts { recipe, spec, scene };
     Ok(Kept::new(parts, |parts| BuiltScene::new(&parts.recipe, &parts.spec, &parts.scene)))
 }

@@ -7,7 +7,7 @@ use super::one_scene::OneScene;
 use super::output::bytes_text;
 use anyhow::Context as _;
 use satseed::model::{About, PointCloud, glb, height_files};
-use satseed::pipeline::{BuiltScene, make_sample};
+use satseed::pipeline::{BuiltScene, build_scene, make_sample};
 use satseed::plan::{PairSpec, SceneSpec};
 use satseed_scene::Scene;
 use std::path::{Path, PathBuf};
@@ -82,8 +82,7 @@ pub(crate) fn run(args: &SceneArgs) -> anyhow::Result<Exit> {
 }
 
 fn build(spec: &SceneSpec) -> anyhow::Result<Scene> {
-    let scene = spec.region.build(spec.seed);
-    scene.validate().with_context(|| format!("scene {} is not legal; this is a bug in its generator", spec.name))?;
+    let scene = build_scene(spec)?;
     let (held, placed) = scene.triangle_counts();
     tracing::info!(scene = spec.name, triangles = held, placed, "scene built");
     Ok(scene)

@@ -15,7 +15,7 @@ pub use contents::{contents, recipe_text};
 pub use pair::{make_sample, rig};
 pub use profile::{Profile, ProfileReport, RayKinds, Stage, StageReport};
 pub use regenerate::{chosen, regenerate, same_recipe_text};
-pub use scene::{BuiltScene, SceneRecord};
+pub use scene::{BuiltScene, SceneRecord, build_scene};
 pub use schedule::generate;
 
 use crate::card::CardError;

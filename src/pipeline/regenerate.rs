@@ -1,6 +1,6 @@
 //! Samples made again from their seeds, held against what stands.
 
-use super::scene::{BuiltScene, build};
+use super::scene::{BuiltScene, build_scene};
 use super::{PipelineError, make_sample, recipe_text};
 use crate::dataset::{Dataset, Finding, ReadError, SampleRecord, compare_sample, compare_scene};
 use crate::plan::Plan;
@@ -37,7 +37,7 @@ pub fn regenerate(
     for spec in &plan.scenes {
         let pairs: Vec<_> = spec.pairs.iter().filter(|p| ids.contains(&p.id.as_str())).collect();
         let Some(first) = pairs.first() else { continue };
-        let scene = build(spec)?;
+        let scene = build_scene(spec)?;
         let built = BuiltScene::new(recipe, spec, &scene);
         findings.extend(compare_scene(dataset, dataset.record(&first.id)?, &built.files())?);
         for pair in pairs {

@@ -74,7 +74,10 @@ pub struct ObjectRecord {
 }
 
 /// Builds a scene and checks what its generator made.
-pub(super) fn build(spec: &SceneSpec) -> Result<Scene, PipelineError> {
+///
+/// # Errors
+/// Where that is not legal, which is a bug in the generator.
+pub fn build_scene(spec: &SceneSpec) -> Result<Scene, PipelineError> {
     let scene = spec.region.build(spec.seed);
     scene.validate().map_err(|reason| PipelineError::Scene { name: spec.name.clone(), reason })?;
     Ok(scene)

@@ -207,7 +207,7 @@ impl Run<'_> {
         let (done, built) = sync_channel(1);
         let (pool, meter, spec) = (Arc::clone(&self.lanes.build), self.meter.clone(), spec.clone());
         let building = thread::spawn(move || {
-            let scene = pool.install(|| meter.stage(Stage::BuildScene, || scene::build(&spec)));
+            let scene = pool.install(|| meter.stage(Stage::BuildScene, || scene::build_scene(&spec)));
             // An error means that nobody waits for it any more.
             let _ = done.send(scene);
         });
