@@ -6,6 +6,7 @@
 
 pub mod canyon;
 pub mod city;
+pub mod coast;
 pub mod desert;
 pub mod field;
 pub mod forest;
@@ -118,4 +119,5 @@ registry! {
     Desert, desert, "desert";
     Field, field, "field";
     Forest, forest, "forest";
+    Coast, coast, "coast";
 }

@@ -59,6 +59,26 @@ pub enum Brdf {
         /// Refractive index of the coat, 1.2..2.
         index: f32,
     },
+    /// Water with waves too small to see: it mirrors the sky as still water does, and the sun in facets.
+    Water {
+        /// Mean square slope of those waves, both axes together, 0.002..0.1 (Cox and Munk 1954: 0.003 + 0.00512 times the wind in
+        /// m/s, of all waves).
+        slope_variance: f32,
+    },
+}
+
+impl Brdf {
+    /// Refractive index of water.
+    pub const WATER_INDEX: f32 = 1.34;
+
+    /// The refractive index of a surface that mirrors.
+    pub fn mirror_index(self) -> Option<f32> {
+        match self {
+            Self::Coated { index } => Some(index),
+            Self::Water { .. } => Some(Self::WATER_INDEX),
+            Self::Diffuse { .. } | Self::Leaf { .. } => None,
+        }
+    }
 }
 
 /// Where one layer changes the colour below it.

@@ -65,12 +65,14 @@ pub(super) fn radiance(tracer: &Tracer, light: &Light, rays: &[Ray], spread: f64
     for (i, point) in points.iter().enumerate() {
         let Some(Lit { hit, shade, origin }) = point else { continue };
         let mut clear = 1.0;
-        if let Brdf::Coated { index } = shade.brdf {
+        if let Some(index) = shade.brdf.mirror_index() {
             let view = rays[i].direction;
             let cos = -view.dot(shade.normal);
             let fresnel = fresnel(cos.clamp(0.0, 1.0) as f32, index);
             clear -= fresnel;
-            sums[i] = sums[i] * clear;
+            if let Brdf::Coated { .. } = shade.brdf {
+                sums[i] = sums[i] * clear;
+            }
             asked.push((i, Bands::grey(fresnel)));
             outward.push((*origin, (view + shade.normal * (2.0 * cos)).normalize()));
         }

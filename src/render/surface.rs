@@ -74,6 +74,11 @@ pub(super) fn scatter(shade: &Shade, geometric: DVec3, to_light: DVec3, view: DV
             shade.albedo * (cos * INV_PI * oren_nayar(roughness_rad, shade.normal, to_light, -view))
         }
         Brdf::Coated { .. } if front && cos > 0.0 => shade.albedo * (cos * INV_PI),
+        Brdf::Water { slope_variance } if front && cos > 0.0 => {
+            let mirrored = fresnel((-view.dot(shade.normal)).clamp(0.0, 1.0) as f32, Brdf::WATER_INDEX);
+            shade.albedo * (cos * INV_PI * (1.0 - mirrored))
+                + Bands::grey(glint(slope_variance, shade.normal, to_light))
+        }
         _ => Bands::ZERO,
     }
 }
@@ -91,6 +96,20 @@ fn oren_nayar(sigma: f32, normal: DVec3, light: DVec3, view: DVec3) -> f32 {
     // Oren-Nayar in vector form: cos(phi) sin(alpha) tan(beta) = across / max(ci, cr).
     let lobe = if across > 0.0 { across / ci.max(cr) } else { 0.0 };
     (a + b * lobe) as f32
+}
+
+/// Radiance of the sun in water's facets, per unit of irradiance on a surface that faces it (Cox and Munk 1954): facets whose
+/// slopes against the mean surface are Gaussian. It is that of a look straight down: a satellite's direction hardly
+/// changes over a frame, and both of a pair's views see the same glitter.
+fn glint(slope_variance: f32, normal: DVec3, to_light: DVec3) -> f32 {
+    let half = (to_light + DVec3::Z).normalize();
+    let cos_tilt = half.dot(normal).max(0.05);
+    let square = cos_tilt * cos_tilt;
+    let slope2 = (1.0 - square).max(0.0) / square;
+    let variance = f64::from(slope_variance);
+    let density = libm::exp(-slope2 / variance) / (core::f64::consts::PI * variance);
+    let mirrored = fresnel(half.dot(to_light).clamp(0.0, 1.0) as f32, Brdf::WATER_INDEX);
+    mirrored * (density / (4.0 * normal.z.max(0.1) * square * square)) as f32
 }
 
 /// Unpolarised Fresnel reflectance of a dielectric.
@@ -111,6 +130,25 @@ mod tests {
     fn fresnel_at_normal_and_grazing_incidence() {
         assert!((fresnel(1.0, 1.52) - 0.0426).abs() < 1e-3);
         assert!((fresnel(0.0, 1.52) - 1.0).abs() < 1e-6);
+    }
+
+    /// All directions of the sun together give back to the zenith what still water mirrors, since facets turn light and take none;
+    /// steep facets see the sky at a slant, which adds a little.
+    #[test]
+    fn glitter_under_light_from_everywhere_is_a_mirror() {
+        for slope_variance in [0.005, 0.02, 0.05] {
+            let count = 40_000;
+            let sum: f64 = (0..count)
+                .map(|i| {
+                    let d = cosine_direction(DVec3::Z, Sample::new(0, 0, i, 0).square(0));
+                    // Radiance 1 from everywhere, and directions by cosine: the irradiance that each stands for is pi over its cosine.
+                    f64::from(glint(slope_variance, DVec3::Z, d)) * core::f64::consts::PI / d.z.max(1e-3)
+                })
+                .sum::<f64>()
+                / f64::from(count);
+            let still = f64::from(fresnel(1.0, Brdf::WATER_INDEX));
+            assert!((sum / still - 1.0).abs() < 0.05, "{slope_variance}: {sum} against {still}");
+        }
     }
 
     #[test]

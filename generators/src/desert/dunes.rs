@@ -5,8 +5,8 @@
 //! the two runs the brink, a contour line of the depth below the wind, and from it sand falls at its angle of repose:
 //! exact cones from the brink's segments, so that neither brink nor slip face knows of any grid.
 
-use super::contour::{contours, resampled};
 use super::werner::{Regime, SLAB, blow, shadow_lines};
+use crate::kit::terrain::contour::{contours, resampled};
 use crate::kit::terrain::front::{Source, rise};
 use crate::kit::terrain::noise::warp;
 use crate::kit::terrain::sampling::smoothstep;

@@ -1,6 +1,5 @@
 //! Desert: dunes of the slab model over gravel flats and playa.
 
-mod contour;
 mod dress;
 mod dunes;
 mod mounds;

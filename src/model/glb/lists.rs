@@ -141,10 +141,8 @@ fn key(scene: &Scene, instance: &Instance, part: &Part, colour: &Colour) -> Mate
 }
 
 fn entry(material: &Material, [red, green, blue]: Rgb) -> MaterialEntry<'_> {
-    let (roughness, index) = match material.brdf {
-        Brdf::Coated { index } => (COAT_ROUGHNESS, Some(index)),
-        Brdf::Diffuse { .. } | Brdf::Leaf { .. } => (1.0, None),
-    };
+    let index = material.brdf.mirror_index();
+    let roughness = if index.is_some() { COAT_ROUGHNESS } else { 1.0 };
     MaterialEntry {
         name: &material.name,
         pbr_metallic_roughness: MetallicRoughness { base_color: [red, green, blue, 1.0], metallic: 0.0, roughness },

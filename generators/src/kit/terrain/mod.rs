@@ -1,8 +1,9 @@
-//! Terrain: noise, flow, erosion, weighted distances, and error-bounded triangulation.
+//! Terrain: noise, flow, erosion, weighted distances, contour lines, and error-bounded triangulation.
 //!
 //! Everything works on [`Raster`](satseed_scene::Raster)s of `f32` posts, from coarse to fine, and on one thread unless
 //! a function says otherwise; what is parallel is parallel by rows or tiles and collected in order.
 
+pub mod contour;
 pub mod erosion;
 pub mod flow;
 pub mod front;

@@ -1,11 +1,11 @@
-//! Contour lines of a smooth field: where slip faces begin.
+//! Contour lines of a smooth field.
 
 use glam::DVec2;
 use satseed_scene::Raster;
 
 /// Polylines along which `values` is 0, positive values on their left. Closed ones end with their first point.
 /// Points stand on the grid's edges.
-pub(super) fn contours(values: &Raster<f32>) -> Vec<Vec<DVec2>> {
+pub fn contours(values: &Raster<f32>) -> Vec<Vec<DVec2>> {
     let (width, height) = (values.width, values.height);
     // An edge is the one east (2 p) or north (2 p + 1) of its post; a line enters an edge's cell once and leaves it once.
     let mut next = vec![u32::MAX; 2 * width * height];
@@ -56,7 +56,7 @@ pub(super) fn contours(values: &Raster<f32>) -> Vec<Vec<DVec2>> {
 }
 
 /// A polyline's points anew, `step_m` apart or a little less; a ring stays one.
-pub(super) fn resampled(line: &[DVec2], step_m: f64) -> Vec<DVec2> {
+pub fn resampled(line: &[DVec2], step_m: f64) -> Vec<DVec2> {
     let length: f64 = line.windows(2).map(|p| p[0].distance(p[1])).sum();
     let parts = libm::ceil(length / step_m).max(1.0) as usize;
     let mut points = vec![line[0]];
