@@ -10,7 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
-use satseed_generators::{Region, desert, field, forest};
+use satseed_generators::{Region, coast, desert, field, forest};
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
 use std::path::Path;
@@ -30,7 +30,7 @@ fn main() -> anyhow::Result<()> {
         let mut region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
         let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
         for seed in SEEDS {
-            // A sheet shows all kinds of dunes, fields and forests.
+            // A sheet shows all kinds of dunes, fields, forests and coasts.
             let turn = seed as usize % 3;
             match &mut region {
                 Region::Desert(p) => {
@@ -40,6 +40,10 @@ fn main() -> anyhow::Result<()> {
                 Region::Forest(p) => {
                     use forest::Variant::{Conifer, Logged, Mixed};
                     p.variant = [Logged, Mixed, Conifer][turn];
+                }
+                Region::Coast(p) => {
+                    use coast::Variant::{Beach, Cliff};
+                    p.variant = [Beach, Cliff][seed as usize % 2];
                 }
                 Region::Field(p) => {
                     use field::Variant::{European, Pivot};

@@ -111,6 +111,11 @@ fn canyon() {
 }
 
 #[test]
+fn coast() {
+    check("coast");
+}
+
+#[test]
 fn desert() {
     check("desert");
 }
@@ -139,11 +144,11 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "canyon", "desert", "field", "forest", "toronto"])
+        .args(["--exact", "canyon", "coast", "desert", "field", "forest", "toronto"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()
         .expect("the test binary runs");
     let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success() && text.contains("5 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && text.contains("6 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
 }

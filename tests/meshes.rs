@@ -221,3 +221,9 @@ fn full_fields_are_whole() {
 fn full_forests_are_whole() {
     full_region("forest");
 }
+
+#[test]
+#[ignore = "long: 5 * 10^7 rays at regions of full size"]
+fn full_coasts_are_whole() {
+    full_region("coast");
+}

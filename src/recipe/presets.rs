@@ -20,8 +20,8 @@ pub const PRESETS: &[Preset] = &[
     Preset { name: "toronto", text: include_str!("../../presets/toronto.toml") },
     Preset { name: "desert", text: include_str!("../../presets/desert.toml") },
     Preset { name: "field", text: include_str!("../../presets/field.toml") },
-    Preset { name: "coast", text: include_str!("../../presets/coast.toml") },
     Preset { name: "forest", text: include_str!("../../presets/forest.toml") },
+    Preset { name: "coast", text: include_str!("../../presets/coast.toml") },
 ];
 
 impl Preset {

@@ -196,7 +196,7 @@ const WATERS: [[f64; 4]; 3] = [[0.055, 0.075, 0.36, 2.2], [0.12, 0.12, 0.42, 2.4
 const DEEPS: [[f32; 4]; 3] = [[0.034, 0.024, 0.006, 0.001], [0.034, 0.036, 0.010, 0.002], [0.046, 0.062, 0.036, 0.008]];
 
 /// Colour over depth, as the cover codes it (Maritorena et al. 1994): the bottom seen through the water, and the water's own.
-fn over_depth(bottom: Bands, clarity: f64) -> Beds {
+pub(super) fn over_depth(bottom: Bands, clarity: f64) -> Beds {
     let k = (clarity as usize).min(1);
     let t = clarity - k as f64;
     let steps = 96;
@@ -251,6 +251,8 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         };
         product(vec![n().ramp(-width, 0.0), n().ramp(width, 0.0)])
     };
+    let swell = relief.swell.towards;
+    let turned = |of: Fractal| Field::Turned { of: Box::new(Field::Noise(of)), along: [swell.x, swell.y] };
     let weed = Bands::new(0.030, 0.040, 0.036, 0.10);
     let water = Material {
         brdf: Brdf::Water { slope_variance: relief.slope_variance() as f32 },
@@ -297,15 +299,16 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         ])
         .ramp(0.28, 0.62),
     })
-    .bumpy(
-        Field::Turned {
-            of: Box::new(Field::Noise(
-                Fractal::new(Space::Plan, seed("ripples"), 1.3, 3).gain(0.7).stretched([1.0, 2.2, 1.0]),
-            )),
-            along: [relief.swell.towards.x, relief.swell.towards.y],
-        },
-        0.030,
-    );
+    // What waves shorter than the mesh's do to a pixel, and where the wind presses and where a film calms them.
+    .with(Layer::Brightness {
+        amount: Field::Sum(vec![
+            turned(Fractal::new(Space::Plan, seed("wavelets"), 2.6, 3).gain(0.85).stretched([1.0, 2.0, 1.0]))
+                .times(0.15 * k),
+            turned(Fractal::new(Space::Plan, seed("slicks"), 46.0, 4).gain(0.6).stretched([2.6, 1.0, 1.0]))
+                .times(0.13 * k),
+        ]),
+    })
+    .bumpy(turned(Fractal::new(Space::Plan, seed("ripples"), 1.3, 3).gain(0.7).stretched([1.0, 2.2, 1.0])), 0.030);
 
     let sand = three_scales(Material::diffuse("sand", Class::Sand, colors.sand).rough(0.35), 0.7)
         .with(Layer::Mix {

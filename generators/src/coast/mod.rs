@@ -164,3 +164,6 @@ fn dressed(tile: &TileMesh, relief: &Relief) -> Mesh {
     }
     mesh
 }
+
+#[cfg(test)]
+mod tests;

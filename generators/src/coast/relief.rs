@@ -477,11 +477,6 @@ impl Relief {
         self.form.toe_m
     }
 
-    #[cfg(test)]
-    pub(super) fn foreshore(&self) -> f64 {
-        self.form.foreshore
-    }
-
     /// The posts of the full-detail tiles.
     #[cfg(test)]
     pub(super) fn window(&self) -> &Raster<f32> {

@@ -90,7 +90,7 @@ fn boulder(relief: &Relief, path: &SeedPath, cell: Cell) -> Option<Placed> {
     let p = cell.point(rng.unit(), rng.unit());
     // Number above a size falls with the power -2.
     let size = (0.7 / f64::sqrt(1.0 - rng.unit())).min(5.0);
-    let z = lowest(relief, p, 0.4 * size) + 0.18 * size;
+    let z = lowest(relief, p, 0.4 * size) + 0.10 * size - 0.03;
     Some(lying(p.extend(z), size, &mut rng, cell.name("boulder")))
 }
 

@@ -76,6 +76,13 @@ impl Swell {
     }
 }
 
+#[cfg(test)]
+impl Swell {
+    pub(super) fn travel_s(&self, p: DVec2) -> f64 {
+        bicubic(&self.travel_s, p)
+    }
+}
+
 /// Speed of a wave's crest over a depth, m/s (Fenton and McKee 1990).
 fn speed(depth_m: f64, period_s: f64) -> f64 {
     let deep = GRAVITY * period_s / core::f64::consts::TAU;
