@@ -54,6 +54,8 @@ mod channel {
     pub(super) const HUE: u8 = 12;
     /// Stains of a few metres around one half.
     pub(super) const STAIN: u8 = 13;
+    /// Sand rather than rock.
+    pub(super) const SANDY: u8 = 15;
     /// Shells and pebbles.
     pub(super) const SHINGLE: u8 = 14;
 }
@@ -154,6 +156,7 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
         0.5 + 0.5 * fractal(p, seeds[6], 70.0, 3, 0.5),
         0.5 + 0.5 * fractal(p, seeds[7], 4.2, 2, 0.5),
         smoothstep(0.12, 0.5, ragged(8, 30.0) + 0.25 * smoothstep(4.0, 1.0, (s.land_m - 2.0).abs())),
+        if relief.cliffs { place.sandy } else { 1.0 },
     ];
     let mut post = Post::default();
     for (channel, value) in post.iter_mut().zip(values) {
@@ -310,7 +313,10 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
     })
     .bumpy(turned(Fractal::new(Space::Plan, seed("ripples"), 1.3, 3).gain(0.7).stretched([1.0, 2.2, 1.0])), 0.030);
 
+    // Sand and rock meet in a ragged line, whatever triangles say.
+    let sandy = || Field::Sum(vec![raster(channel::SANDY), noise("border", 9.0, 5, 0.7).times(0.3)]).ramp(0.44, 0.56);
     let sand = three_scales(Material::diffuse("sand", Class::Sand, colors.sand).rough(0.35), 0.7)
+        .with(Layer::Mix { color: apart(colors.rock), amount: sandy().affine(-1.0, 1.0) })
         .with(Layer::Mix {
             color: apart(colors.sand.lerp(Bands::new(0.15, 0.165, 0.172, 0.22), 0.7)),
             amount: product(vec![raster(channel::SHINGLE), noise("pebbles", 1.5, 3, 0.9).ramp(-0.3, 0.4)]).times(0.5),
@@ -345,7 +351,7 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
     let turf = three_scales(Material::diffuse("turf", Class::LowVegetation, apart(colors.turf)).rough(0.4), 1.0)
         .with(Layer::Mix {
             color: apart(straw),
-            amount: Field::Sum(vec![noise("dry", 9.0, 5, 0.7).affine(0.9, 0.30), raster(channel::MARRAM).times(0.35)]),
+            amount: Field::Sum(vec![noise("dry", 12.0, 4, 0.6).affine(0.9, 0.30), raster(channel::MARRAM).times(0.35)]),
         })
         .with(Layer::Mix {
             color: apart(heath),
@@ -363,7 +369,7 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
                 Field::Constant(1.0),
                 raster(channel::MARRAM).times(-1.0),
                 raster(channel::TURF).times(-1.0),
-                noise("thin", 1.9, 3, 0.8).times(0.5),
+                noise("thin", 1.9, 3, 0.8).times(0.3),
             ])
             .ramp(0.1, 0.6),
         })
@@ -394,6 +400,14 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
             .times(0.8),
         })
         .with(Layer::Mix { color: apart(lichen), amount: noise("lichen", 2.0, 3, 0.8).ramp(0.18, 0.5).times(0.4) })
+        .with(Layer::Mix {
+            color: colors.sand,
+            amount: product(vec![
+                Field::Upward.ramp(0.78, 0.90),
+                Field::Along(Coordinate::HEIGHT).ramp(7.0, 4.0),
+                sandy(),
+            ]),
+        })
         // Dark below the tide: wet and grown over.
         .with(Layer::Mix {
             color: apart(Bands::new(0.038, 0.044, 0.042, 0.09)),

@@ -149,7 +149,10 @@ fn dressed(tile: &TileMesh, relief: &Relief) -> Mesh {
         let corner = |k: usize| {
             *index.entry((t[k], water)).or_insert_with(|| {
                 mesh.positions_m.push(tile.positions_m[t[k] as usize]);
-                mesh.normals.push(normal_of_slope(relief.slope(corners[k].truncate(), water)));
+                let p = corners[k].truncate();
+                // Far off, triangles are larger than waves, and few of their slopes would pass for all.
+                let slope = if water && !relief.is_detailed(p) { DVec2::ZERO } else { relief.slope(p, water) };
+                mesh.normals.push(normal_of_slope(slope));
                 mesh.positions_m.len() as u32 - 1
             })
         };

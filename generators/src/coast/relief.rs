@@ -325,14 +325,14 @@ impl Relief {
         let rock = self.bottom_m(p, place, d);
         let foot_m = 4.0
             + 6.0 * (fractal(p, self.seeds.platform ^ 1, 70.0, 2, 0.5) + 0.3).max(0.0)
-            + sandy * (f.berm_m / f.foreshore + 6.0);
+            + sandy * (0.75 * f.berm_m / f.foreshore + 9.0 * fractal(p, self.seeds.platform ^ 2, 45.0, 4, 0.6));
         let base = rock + (low - rock) * sandy;
         let beyond = d - foot_m;
         if beyond < -1.0 {
             return base;
         }
         let top_m = self.top_m(p) * (1.0 - 0.45 * sandy);
-        let wide_m = (0.34 + 0.10 * block + 0.75 * sandy) * top_m + 2.0;
+        let wide_m = (0.34 + 0.10 * block + 1.15 * sandy) * top_m + 2.0;
         let climb = soft_min(beyond.max(0.0) / wide_m, 1.0, 0.06) * top_m;
         // Beds: a tread and a riser each.
         let bed = (climb + p.dot(f.dip)) / f.bed_m + 0.5 * fractal(p, self.seeds.face ^ 5, 30.0, 2, 0.5);
@@ -340,7 +340,10 @@ impl Relief {
         let stepped = (libm::floor(bed) + smoothstep(0.42, 0.92, t)) * f.bed_m
             - 0.5 * f.bed_m * fractal(p, self.seeds.face ^ 5, 30.0, 2, 0.5)
             - p.dot(f.dip);
-        let on_face = smoothstep(0.02, 0.12, climb / top_m) * smoothstep(0.995, 0.90, climb / top_m) * (1.0 - sandy);
+        let on_face = smoothstep(0.02, 0.12, climb / top_m)
+            * smoothstep(0.995, 0.90, climb / top_m)
+            * (1.0 - sandy)
+            * smoothstep(-0.35, 0.25, fractal(p, self.seeds.joints ^ 9, 24.0, 3, 0.6));
         let face =
             climb + (stepped - climb) * on_face + rough * on_face * 0.55 * fractal(p, self.seeds.fine, 3.2, 4, 0.6);
         let inland = (beyond - wide_m).max(0.0);
@@ -475,6 +478,12 @@ impl Relief {
     /// Where the dunes begin, m inland.
     pub(super) fn dune_toe_m(&self) -> f64 {
         self.form.toe_m
+    }
+
+    /// Whether a place lies within the full-detail tiles.
+    pub(super) fn is_detailed(&self, p: DVec2) -> bool {
+        let half_m = -self.window.origin_m.x;
+        p.abs().max_element() <= half_m
     }
 
     /// The posts of the full-detail tiles.

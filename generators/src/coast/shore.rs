@@ -122,7 +122,7 @@ impl Shore {
                 sand.push(match variant {
                     Variant::Beach => 1.0,
                     // Sand stays in bays, where less than half of what lies around is sea.
-                    Variant::Cliff => smoothstep(0.47, 0.38, bicubic(&open, pair[0])),
+                    Variant::Cliff => smoothstep(0.48, 0.34, bicubic(&open, pair[0])),
                 });
             }
         }
@@ -136,7 +136,7 @@ impl Shore {
             };
             Raster { data: (0..sea.data.len()).map(|post| of(post) as f32).collect(), ..sea.clone() }
         };
-        let sandy = blurred(told(&|_, s| sand[s], 1.0), 6);
+        let sandy = blurred(told(&|_, s| sand[s], 1.0), 9);
         let along = told(
             &|p, s| {
                 let t = sources[s].reach(p).1;
