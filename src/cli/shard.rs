@@ -86,7 +86,7 @@ mod tests {
     const SLURM: [&str; 4] =
         ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX"];
 
-    fn slurm<'a>(values: [&'a str; 4]) -> Vec<(&'static str, &'a str)> {
+    fn slurm(values: [&str; 4]) -> Vec<(&'static str, &str)> {
         SLURM.into_iter().zip(values).collect()
     }
 

@@ -94,7 +94,7 @@ pub enum PipelineError {
     Write(#[from] WriteError),
     /// What shards wrote could not be joined.
     #[error(transparent)]
-    Join(#[from] JoinError),
+    Join(Box<JoinError>),
     /// The dataset could not be read.
     #[error(transparent)]
     Read(#[from] ReadError),
@@ -137,6 +137,12 @@ pub enum PipelineError {
         /// The system's reason.
         reason: String,
     },
+}
+
+impl From<JoinError> for PipelineError {
+    fn from(error: JoinError) -> Self {
+        Self::Join(Box::new(error))
+    }
 }
 
 /// A pool of `jobs` threads.

@@ -15,35 +15,23 @@ struct Endless {
 impl Endless {
     fn record(scene: &str, sample: &str) -> String {
         let hash = |text: &str| blake3::hash(text.as_bytes()).to_hex().to_string();
-        let mut files = String::new();
-        let mut file = |name: &str, path: &str, bytes: u64| {
-            let hash = hash(path);
-            let comma = if files.is_empty() { "" } else { "," };
-            files += &format!(
-                "{comma}\"{name}\":{{\"path\":\"{path}\",\"bytes\":{bytes},\"blake3\":\"{hash}\",\"pixels_blake3\":\"{hash}\"}}"
-            );
-        };
-        for name in ["camera", "disparity_left", "disparity_right"] {
-            file(name, &format!("{scene}/{sample}/{name}.tif"), 1000);
-        }
-        for name in ["dsm", "dtm"] {
-            file(name, &format!("{scene}/{name}.tif"), 1000);
-        }
-        for name in ["left"] {
-            file(name, &format!("{scene}/{sample}/{name}.tif"), 1000);
-        }
-        files += &format!(
-            ",\"recipe\":{{\"path\":\"recipe.toml\",\"bytes\":{},\"blake3\":\"{}\"}}",
-            RECIPE.len(),
-            blake3::hash(RECIPE.as_bytes()).to_hex()
-        );
-        for name in ["right", "validity_left", "validity_right"] {
-            let path = format!("{scene}/{sample}/{name}.tif");
+        let file = |name: &str| {
+            let folder = if ["dsm", "dtm"].contains(&name) { scene.to_owned() } else { format!("{scene}/{sample}") };
+            let path = format!("{folder}/{name}.tif");
             let hash = hash(&path);
-            files += &format!(
-                ",\"{name}\":{{\"path\":\"{path}\",\"bytes\":1000,\"blake3\":\"{hash}\",\"pixels_blake3\":\"{hash}\"}}"
-            );
-        }
+            format!(
+                "\"{name}\":{{\"path\":\"{path}\",\"bytes\":1000,\"blake3\":\"{hash}\",\"pixels_blake3\":\"{hash}\"}}"
+            )
+        };
+        let recipe = format!(
+            "\"recipe\":{{\"path\":\"recipe.toml\",\"bytes\":{},\"blake3\":\"{}\"}}",
+            RECIPE.len(),
+            hash(RECIPE)
+        );
+        // By name, as a record has them.
+        let before = ["camera", "disparity_left", "disparity_right", "dsm", "dtm", "left"].map(file);
+        let after = ["right", "validity_left", "validity_right"].map(file);
+        let files = [&before[..], &[recipe], &after].concat().join(",");
         format!(
             "{{\"id\":\"{scene}/{sample}\",\"region\":\"canyon\",\"variant\":\"gorge\",\"scene_seed\":7,\"split\":\"train\",\
              \"scene_params_hash\":\"9f03c1aa\",\"baseline_m\":100.0,\"azimuth_deg\":12.5,\"convergence_deg\":5.7,\

@@ -84,7 +84,7 @@ for name, options in engines.items():
     place = (FOLDER / name).resolve()
     run = [sys.executable, EXAMPLES / "ray_shards.py", RECIPE, place, "--shards", "4", "--jobs", "1", *options]
     done = subprocess.run(run, env=env, capture_output=True, text=True)
-    check(done.returncode == 0 and "24 samples" in done.stdout, f"{name}: {done.stdout} {done.stderr}")
+    check(done.returncode == 0 and "12 samples" in done.stdout, f"{name}: {done.stdout} {done.stderr}")
     check(tree(place) == tree(FOLDER / "single"), f"{name}: the same tree as one run")
 shutil.rmtree(FOLDER)
 print(f"cluster.py: {checks} checks, with {' and '.join(engines)}")

@@ -103,7 +103,7 @@ impl ObjectStore {
     }
 
     fn below(&self, path: &str) -> Path {
-        path.split('/').fold(self.root.clone(), |key, part| key.join(part))
+        path.split('/').fold(self.root.clone(), Path::join)
     }
 
     /// Asks until the server answers. What it answers it answers for good: servers that fail or ask for patience are

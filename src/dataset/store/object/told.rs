@@ -9,7 +9,7 @@ pub(super) fn store_error(doing: &'static str, path: &str, url: &str, error: &Er
     let remote = |reason: String| StoreError::Remote { doing, path: format!("{url}/{path}"), reason };
     match error {
         Error::AlreadyExists { .. } | Error::Precondition { .. } => StoreError::Exists { path: path.to_owned() },
-        Error::NotFound { .. } if is_without_bucket(&text) => {
+        _ if is_without_bucket(&text) => {
             remote(format!("there is no such bucket or container ({}): create it, or name another", summary(error)))
         }
         Error::NotFound { .. } if doing != "write" => StoreError::NotFound { path: path.to_owned() },
