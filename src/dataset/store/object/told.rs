@@ -13,7 +13,8 @@ pub(super) fn store_error(doing: &'static str, path: &str, url: &str, error: &Er
             remote(format!("there is no such bucket or container ({}): create it, or name another", summary(error)))
         }
         Error::NotFound { .. } if doing != "write" => StoreError::NotFound { path: path.to_owned() },
-        Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => {
+        // Lists tell it in their own way.
+        _ if text.contains("status code: 403") || text.contains("status code: 401") => {
             remote(format!("the server refuses these credentials ({}): {}", summary(error), credentials_of(url)))
         }
         // The address at which a machine of that cloud would be told who it is: asked where nothing else says so.
