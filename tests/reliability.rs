@@ -8,6 +8,7 @@ mod reliability {
     mod equal_trees;
     mod interruptions;
     mod limits;
+    mod merge;
     mod refusals;
     mod truth;
 }

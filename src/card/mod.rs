@@ -5,7 +5,9 @@
 mod croissant;
 mod text;
 
-use crate::dataset::{CARD, CROISSANT, Dataset, ReadError, Seal, Store, StoreError, Summary, summarise};
+use crate::dataset::{
+    CARD, CROISSANT, Dataset, ReadError, Seal, Store, StoreError, Summary, WriteError, put_same, summarise,
+};
 
 /// Why there is no card.
 #[derive(Debug, thiserror::Error)]
@@ -17,6 +19,9 @@ pub enum CardError {
     /// A file cannot be written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// Another one stands there.
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// What both pages tell.
@@ -54,10 +59,11 @@ pub fn ensure_card(store: &dyn Store) -> Result<(), CardError> {
     let new_card = text::card(&facts, dataset.records(), &blake3::hash(new_croissant.as_bytes()).to_hex());
     let sealed = Seal::put(new_card.into_bytes(), &facts.summary.root_hash);
     for (path, old, new) in [(CROISSANT, croissant, new_croissant.into_bytes()), (CARD, card, sealed)] {
-        if old.is_some() {
+        if old.is_some_and(|old| old != new) {
             store.discard(path)?;
         }
-        store.put(path, &new)?;
+        // Another machine may have finished the same dataset meanwhile.
+        put_same(store, path, &new)?;
     }
     Ok(())
 }

@@ -2,11 +2,11 @@
 
 #![allow(clippy::doc_markdown)]
 
+use super::shard::ShardChoice;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use satseed::evaluate::{self, Limit};
 use satseed::export::{Layout, Overlap};
-use satseed::plan::Shard;
 use satseed::recipe::{Changes, Recipe, RecipeError};
 use satseed::sweep::Vary;
 use std::path::PathBuf;
@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Preview(PreviewArgs),
     /// Write a scene as a 3-D model, a point cloud or height maps
     Scene(SceneArgs),
+    /// Join what the shards of one plan wrote
+    Merge(MergeArgs),
     /// Check a dataset's files against their hashes
     Verify(VerifyArgs),
     /// Tell what a dataset holds
@@ -142,17 +144,19 @@ pub(crate) enum PlanFormat {
 pub(crate) struct GenerateArgs {
     #[command(flatten)]
     pub(crate) recipe: RecipeArgs,
-    /// Folder of the dataset: new, empty, or one that holds this plan already
-    #[arg(long, value_name = "DIR")]
+    /// Where the dataset goes: new, empty, or what holds this plan already. A folder, or s3://BUCKET/PREFIX,
+    /// gs://BUCKET/PREFIX, az://CONTAINER/PREFIX
+    #[arg(long, value_name = "DIR|URL")]
     pub(crate) out: PathBuf,
     /// Threads that trace; as many as there are cores by default. As many more build the next scene beside them, unless
     /// N is 1, and as many write files. Changes no byte
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) jobs: Option<u32>,
-    /// Make only part I of N of the pairs, I from 1
-    #[arg(long, value_name = "I/N")]
-    pub(crate) shard: Option<Shard>,
-    /// Print pairs, bytes, memory and time, and write nothing
+    /// Make only part I of N of the pairs, I from 1; merge joins them. In a job array: auto takes I and N from Slurm,
+    /// auto/N takes I from Slurm (1 to N) or from a Kubernetes indexed job
+    #[arg(long, value_name = "I/N|auto[/N]")]
+    pub(crate) shard: Option<ShardChoice>,
+    /// Print pairs, bytes, memory, time and what more of the kind would cost, and write nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
     /// Refuse to start if more memory could be needed, such as 8GiB. Where it is too little for two scenes at once, no
@@ -220,8 +224,25 @@ pub(crate) enum View {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct MergeArgs {
+    /// The dataset that the shards wrote into, a folder or URL; with --from it may be new
+    #[arg(value_name = "DIR|URL")]
+    pub(crate) dir: PathBuf,
+    /// A folder or URL that some shards wrote into instead; may be given several times
+    #[arg(long, value_name = "DIR|URL")]
+    pub(crate) from: Vec<PathBuf>,
+    /// Leave out the card and the gallery, for which every sample is read
+    #[arg(long)]
+    pub(crate) no_pages: bool,
+    /// How many files are asked for at once; as many as there are cores by default, 32 in object storage
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) jobs: Option<u32>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct VerifyArgs {
-    /// Folder of the dataset
+    /// The dataset: a folder or URL
+    #[arg(value_name = "DIR|URL")]
     pub(crate) dir: PathBuf,
     /// Make N samples again from their seeds and compare
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -233,7 +254,8 @@ pub(crate) struct VerifyArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// Folder of the dataset
+    /// The dataset: a folder or URL
+    #[arg(value_name = "DIR|URL")]
     pub(crate) dir: PathBuf,
     /// Print as JSON
     #[arg(long)]

@@ -2,12 +2,13 @@
 
 use super::Exit;
 use super::args::GenerateArgs;
+use super::cost::write_costs;
 use super::output::{bytes_text, write_stdout};
+use super::place::Place;
 use super::plan::write_summary;
 use super::profile::ProfileFile;
 use super::progress::Progress;
 use anyhow::Context as _;
-use satseed::dataset::{DiskStore, FolderLock};
 use satseed::pipeline::{Options, Outcome, estimate, estimate_seconds, generate, second_scene_bytes};
 use satseed::plan::{Plan, Shard};
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -24,7 +25,12 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
     if args.dry_run {
         write_stdout(|out| {
             write_summary(out, &cost, &plan)?;
-            writeln!(out, "time     about {} on {jobs} threads", duration_text(estimate_seconds(&recipe, &plan, jobs)))
+            writeln!(
+                out,
+                "time     about {} on {jobs} threads",
+                duration_text(estimate_seconds(&recipe, &plan, jobs))
+            )?;
+            write_costs(out, &recipe, &plan, cost.disk_bytes)
         })?;
         return Ok(Exit::Fine);
     }
@@ -44,19 +50,13 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
         tracing::warn!("{note}");
     }
 
-    let store = DiskStore::create(&args.out)?;
-    let _lock = FolderLock::take(&args.out)?;
+    let shard = args.shard.map_or(Ok(Shard::WHOLE), |choice| choice.resolve(&|name| std::env::var(name).ok()))?;
+    let place = if shard.is_whole() { Place::create(&args.out)? } else { Place::create_shared(&args.out)? };
     let profile = args.profile.as_deref().map(|file| ProfileFile::begin(file, &args.out)).transpose()?;
     let stop = stop_on_signals().context("cannot listen for signals")?;
     let progress = Progress::new(&cost);
-    let options = Options {
-        jobs,
-        build_ahead,
-        shard: args.shard.unwrap_or(Shard::WHOLE),
-        stop: &stop,
-        profile: profile.as_ref().map(|p| &p.profile),
-    };
-    let outcome = generate(&recipe, &plan, &store, options, &|event| progress.report(event));
+    let options = Options { jobs, build_ahead, shard, stop: &stop, profile: profile.as_ref().map(|p| &p.profile) };
+    let outcome = generate(&recipe, &plan, place.store(), options, &|event| progress.report(event));
     let standing = progress.end();
     let outcome = outcome?;
     if let Some(profile) = profile {
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &GenerateArgs) -> anyhow::Result<Exit> {
             Ok(Exit::Fine)
         }
         Outcome::ShardDone => {
-            progress.tell("this shard is done; the manifest is written with the last one");
+            progress.tell("this shard is done; `satseed merge` joins them when all are");
             Ok(Exit::Fine)
         }
         Outcome::Stopped => {

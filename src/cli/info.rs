@@ -3,23 +3,25 @@
 use super::Exit;
 use super::args::InfoArgs;
 use super::output::{bytes_text, write_stdout};
+use super::place::open_store;
 use super::verify::planned;
-use satseed::dataset::{Dataset, DiskStore, Histogram, RegionSummary, Summary, summarise};
+use satseed::dataset::{Dataset, Histogram, RegionSummary, Summary, summarise};
 use satseed::pipeline::thread_pool;
 use satseed::recipe::seed_list_line;
 use std::io::{self, Write};
 
 pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<Exit> {
-    let store = DiskStore::open(&args.dir)?;
+    let store = open_store(&args.dir)?;
+    let store = store.as_ref();
     if args.seeds {
-        let (_, plan) = planned(&store, &args.dir)?;
+        let (_, plan) = planned(store, &args.dir)?;
         write_stdout(|out| {
             plan.scenes.iter().try_for_each(|scene| writeln!(out, "{}", seed_list_line(&scene.region, scene.seed)))
         })?;
         return Ok(Exit::Fine);
     }
     let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-    let dataset = Dataset::open(&store)?;
+    let dataset = Dataset::open(store)?;
     let summary = thread_pool(jobs)?.install(|| summarise(&dataset))?;
     write_stdout(|out| {
         if args.json {

@@ -4,6 +4,7 @@
 
 mod args;
 mod completions;
+mod cost;
 mod evaluate;
 mod explain;
 mod export;
@@ -11,15 +12,18 @@ mod gallery;
 mod generate;
 mod info;
 mod logging;
+mod merge;
 mod new_file;
 mod one_scene;
 mod output;
+mod place;
 mod plan;
 mod presets;
 mod preview;
 mod profile;
 mod progress;
 mod scene;
+mod shard;
 mod sweep;
 mod verify;
 
@@ -64,6 +68,7 @@ fn run(command: &Command) -> anyhow::Result<Exit> {
         Command::Generate(args) => generate::run(args),
         Command::Preview(args) => preview::run(args),
         Command::Scene(args) => scene::run(args),
+        Command::Merge(args) => merge::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Info(args) => info::run(args),
         Command::Explain(args) => explain::run(args),

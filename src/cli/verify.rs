@@ -2,9 +2,11 @@
 
 use super::Exit;
 use super::args::VerifyArgs;
+use super::generate::default_jobs;
 use super::output::{bytes_text, write_stdout};
+use super::place::{URL_JOBS, is_url, open_store};
 use anyhow::Context as _;
-use satseed::dataset::{Dataset, DiskStore, RECIPE, Report, Store as _, verify};
+use satseed::dataset::{Dataset, RECIPE, Report, Store, verify};
 use satseed::pipeline::{chosen, regenerate, same_recipe_text, thread_pool};
 use satseed::plan::Plan;
 use satseed::recipe::{MAX_RECIPE_BYTES, Recipe};
@@ -12,22 +14,23 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
-    let store = DiskStore::open(&args.dir)?;
-    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+    let store = open_store(&args.dir)?;
+    let store = store.as_ref();
+    let jobs = if is_url(&args.dir) { URL_JOBS } else { default_jobs() };
     let pool = thread_pool(jobs)?;
-    let planned = planned(&store, &args.dir);
+    let planned = planned(store, &args.dir);
     let ids: Option<Vec<String>> = match &planned {
         Ok((_, plan)) => Some(plan.pairs().map(|(_, pair)| pair.id.clone()).collect()),
         Err(_) => None,
     };
-    let mut report = pool.install(|| verify(&store, ids.as_deref()))?;
+    let mut report = pool.install(|| verify(store, ids.as_deref()))?;
     if let Err(reason) = &planned {
         report.notes.push(format!("held against its own hashes only, not against its plan: {reason:#}"));
     }
     if args.regenerate > 0 {
         let (recipe, plan) =
             planned.context("samples can only be made again from the recipe that the dataset was made of")?;
-        let dataset = Dataset::open(&store).context("samples of an unfinished dataset are not made again")?;
+        let dataset = Dataset::open(store).context("samples of an unfinished dataset are not made again")?;
         let ids = chosen(&dataset, args.regenerate as usize);
         let made = |id: &str| tracing::info!("made {id} again");
         report.add(pool.install(|| regenerate(&recipe, &plan, &dataset, &ids, &made))?);
@@ -39,7 +42,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
 }
 
 /// The recipe of a dataset and its plan; an error where this build would not make the same bytes of it.
-pub(crate) fn planned(store: &DiskStore, dir: &Path) -> anyhow::Result<(Recipe, Plan)> {
+pub(crate) fn planned(store: &dyn Store, dir: &Path) -> anyhow::Result<(Recipe, Plan)> {
     let name = dir.join(RECIPE).display().to_string();
     let bytes = store.size(RECIPE)?.with_context(|| format!("{name} is missing"))?;
     if bytes > MAX_RECIPE_BYTES {

@@ -38,9 +38,22 @@ impl FolderLock {
     /// # Errors
     /// [`LockError::Held`] where another process has it.
     pub fn take(folder: &Path) -> Result<Self, LockError> {
+        Self::lock(folder, FlockOperation::NonBlockingLockExclusive)
+    }
+
+    /// Takes part in the lock of an existing folder, which others may share but nobody may have alone: shards of one plan
+    /// write into one folder, while a whole run or a merge waits for none of them to be at work.
+    ///
+    /// # Errors
+    /// [`LockError::Held`] where another process has it alone.
+    pub fn share(folder: &Path) -> Result<Self, LockError> {
+        Self::lock(folder, FlockOperation::NonBlockingLockShared)
+    }
+
+    fn lock(folder: &Path, how: FlockOperation) -> Result<Self, LockError> {
         let failed = |reason| LockError::Io { folder: folder.to_owned(), reason };
         let file = File::open(folder).map_err(failed)?;
-        match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+        match flock(&file, how) {
             Ok(()) => Ok(Self { _folder: file }),
             Err(Errno::WOULDBLOCK) => Err(LockError::Held { folder: folder.to_owned() }),
             Err(e) => Err(failed(e.into())),
@@ -60,7 +73,12 @@ mod tests {
         assert!(matches!(refusal, LockError::Held { .. }));
         assert!(refusal.to_string().contains("another satseed is writing"));
         drop(first);
-        FolderLock::take(folder.path()).unwrap();
+        let shards = [(); 2].map(|()| FolderLock::share(folder.path()).unwrap());
+        assert!(matches!(FolderLock::take(folder.path()), Err(LockError::Held { .. })));
+        drop(shards);
+        let alone = FolderLock::take(folder.path()).unwrap();
+        assert!(matches!(FolderLock::share(folder.path()), Err(LockError::Held { .. })));
+        drop(alone);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
     }
 }

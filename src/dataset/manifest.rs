@@ -31,6 +31,11 @@ impl ManifestHash {
         Self(blake3::hash(manifest))
     }
 
+    /// A manifest's hash that was worked out piece by piece.
+    pub(super) fn from_hash(hash: blake3::Hash) -> Self {
+        Self(hash)
+    }
+
     /// 64 hexadecimal digits.
     pub fn hex(&self) -> String {
         self.0.to_hex().to_string()

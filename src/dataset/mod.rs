@@ -5,6 +5,7 @@
 mod camera_file;
 mod compare;
 pub mod formats;
+mod join;
 mod layer;
 mod lock;
 mod manifest;
@@ -26,6 +27,7 @@ mod writer_tests;
 
 pub use camera_file::{CameraFile, CameraRecord};
 pub use compare::{compare_sample, compare_scene};
+pub use join::{JoinError, Joined, bring, join, put_same};
 pub use layer::{LAST_CLASS, Layer, View, validity};
 pub use lock::{FolderLock, LockError};
 pub use manifest::{
@@ -35,8 +37,10 @@ pub use reader::{Dataset, ReadError};
 pub use record::{FileRecord, RecordError, SampleRecord, is_name};
 pub use sample::{ContentError, Identity, Sample, Statistics};
 pub use seal::Seal;
-pub use store::{DiskStore, Entry, MemoryStore, Store, StoreError, check_path};
+#[cfg(feature = "cloud")]
+pub use store::ObjectStore;
+pub use store::{Chunks, DiskStore, Entry, MemoryStore, Store, StoreError, check_path};
 pub use summary::{BaselineSummary, CLASS_NAMES, Histogram, RegionSummary, SceneSummary, Summary, summarise};
 pub use terrain::SceneFigures;
 pub use verify::{Fault, Finding, Report, verify};
-pub use writer::{Contents, SceneContents, SceneFiles, WriteError, Writer, to_json};
+pub use writer::{Contents, SceneContents, SceneFiles, WriteError, Writer, same_recipe, to_json};

@@ -6,12 +6,13 @@
 //! Whatever the moment of a crash, what is missing is made by the same command again, and all bytes come out the same.
 
 use super::formats::{FormatError, HeightMap, PixelKind, Plane, encode_height_map};
+use super::join::{put_manifest, put_same};
 use super::layer::{Layer, View};
 use super::manifest::{MANIFEST, ManifestHash, PAGES, PART, RECIPE, ROOT_HASH, SAMPLE};
 use super::ownership::refusal;
 use super::record::{FileRecord, SampleRecord};
 use super::sample::{ContentError, Sample};
-use super::store::{Store, StoreError};
+use super::store::{Store, StoreError, UNFINISHED};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
@@ -121,13 +122,18 @@ pub enum WriteError {
     },
 }
 
-/// Writes one dataset. It needs the folder's lock, which its caller holds.
+/// Writes one dataset, or a part of one. It needs the folder's lock, which its caller holds: alone for all of a dataset,
+/// shared for a part.
 pub struct Writer<'a> {
     store: &'a dyn Store,
+    /// What it writes.
     contents: Contents,
+    is_part: bool,
     recipe: FileRecord,
     /// Ids of the samples that stand.
     recorded: Mutex<BTreeSet<String>>,
+    /// Of each scene, a sample of another part that stands.
+    neighbours: BTreeMap<String, String>,
     /// Records of the scenes' shared files, by scene.
     scenes: Mutex<BTreeMap<String, BTreeMap<String, FileRecord>>>,
 }
@@ -138,34 +144,55 @@ impl<'a> Writer<'a> {
     /// # Errors
     /// Where the store holds another plan, foreign files, or has lost what it had recorded.
     pub fn open(store: &'a dyn Store, contents: Contents) -> Result<Self, WriteError> {
-        store.clear_unfinished()?;
-        let entries: BTreeMap<String, Option<u64>> = store.list("")?.into_iter().map(|e| (e.path, e.bytes)).collect();
-        if entries.contains_key(RECIPE) {
-            let existing = store.get(RECIPE)?;
-            if existing != contents.recipe_toml.as_bytes() {
-                return Err(refusal(&String::from_utf8_lossy(&existing), &contents.recipe_toml));
-            }
-        } else if let Some(path) = entries.keys().next() {
-            return Err(WriteError::Foreign { path: path.clone() });
+        if !store.is_shared() {
+            store.clear_unfinished()?;
         }
+        let entries = entries_of(store, "")?;
+        own_recipe(store, &contents, &entries)?;
         let planned = contents.paths();
-        if let Some(path) = entries
-            .iter()
-            .find(|(p, bytes)| !(planned.contains(*p) || PAGES.contains(&p.as_str())) || bytes.is_none())
-            .map(|(p, _)| p)
-        {
+        let known = |path: &str| planned.contains(path) || PAGES.contains(&path);
+        if let Some((path, _)) = entries.iter().find(|(path, bytes)| !known(path) || bytes.is_none()) {
             return Err(WriteError::Foreign { path: path.clone() });
         }
-        if !entries.contains_key(RECIPE) {
-            store.put(RECIPE, contents.recipe_toml.as_bytes())?;
+        Self::standing(store, contents, &entries, false)
+    }
+
+    /// Opens a store for a part of a dataset, which others may be writing other parts of: `contents` has the scenes and
+    /// samples of this part only. Only their folders are looked at, and nothing is cleared.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_part(store: &'a dyn Store, contents: Contents) -> Result<Self, WriteError> {
+        let mut entries = match store.get(RECIPE) {
+            Err(StoreError::NotFound { .. }) => entries_of(store, "")?,
+            Err(other) => return Err(other.into()),
+            Ok(_) => BTreeMap::from([(RECIPE.to_owned(), Some(0))]),
+        };
+        own_recipe(store, &contents, &entries)?;
+        for scene in &contents.scenes {
+            entries.extend(entries_of(store, &scene.name)?);
         }
+        Self::standing(store, contents, &entries, true)
+    }
+
+    /// A writer that knows what stands.
+    fn standing(
+        store: &'a dyn Store,
+        contents: Contents,
+        entries: &BTreeMap<String, Option<u64>>,
+        is_part: bool,
+    ) -> Result<Self, WriteError> {
         let recipe = FileRecord::of(RECIPE.to_owned(), contents.recipe_toml.as_bytes(), None);
-        let mut recorded = BTreeSet::new();
-        for id in contents.ids().filter(|id| entries.contains_key(&format!("{id}/{SAMPLE}"))) {
-            check_standing(store, &id, &entries)?;
-            recorded.insert(id);
+        let ids: Vec<String> = contents.ids().filter(|id| entries.contains_key(&format!("{id}/{SAMPLE}"))).collect();
+        ids.par_iter().try_for_each(|id| check_standing(store, id, entries).map(|_| ()))?;
+        let mut neighbours = BTreeMap::new();
+        for id in entries.keys().filter_map(|path| path.strip_suffix(SAMPLE)?.strip_suffix('/')) {
+            if let Some((scene, _)) = id.split_once('/') {
+                neighbours.entry(scene.to_owned()).or_insert_with(|| id.to_owned());
+            }
         }
-        Ok(Self { store, contents, recipe, recorded: Mutex::new(recorded), scenes: Mutex::default() })
+        let recorded = Mutex::new(ids.into_iter().collect());
+        Ok(Self { store, contents, is_part, recipe, recorded, neighbours, scenes: Mutex::default() })
     }
 
     /// Whether a sample stands already.
@@ -207,11 +234,8 @@ impl<'a> Writer<'a> {
     /// Where that record cannot be read.
     pub fn adopt_scene(&self, scene: &str) -> Result<bool, WriteError> {
         let below = format!("{scene}/");
-        let Some(id) =
-            locked(&self.recorded).range(below.clone()..).next().filter(|id| id.starts_with(&below)).cloned()
-        else {
-            return Ok(false);
-        };
+        let own = locked(&self.recorded).range(below.clone()..).next().filter(|id| id.starts_with(&below)).cloned();
+        let Some(id) = own.or_else(|| self.neighbours.get(scene).cloned()) else { return Ok(false) };
         let text = String::from_utf8_lossy(&self.store.get(&format!("{id}/{SAMPLE}"))?).into_owned();
         let record = SampleRecord::from_line(&text)
             .map_err(|e| WriteError::Damaged { id, what: format!("of its record, {e}") })?;
@@ -252,11 +276,15 @@ impl<'a> Writer<'a> {
         Ok(record)
     }
 
-    /// Writes a scene's part where all its samples stand. Says whether they do.
+    /// Writes a scene's part where all its samples stand. Says whether they do. A part of a dataset is no place for that:
+    /// what several writers made is joined by [`join`](super::join).
     ///
     /// # Errors
     /// Where another part stands there, or the store fails.
     pub fn finish_scene(&self, scene: &str) -> Result<bool, WriteError> {
+        if self.is_part {
+            return Ok(false);
+        }
         let contents = self.contents.scenes.iter().find(|s| s.name == scene);
         let Some(part) = contents.map(|s| self.part(s)).transpose()?.flatten() else { return Ok(false) };
         self.put_again(&format!("{scene}/{PART}"), &part, false)?;
@@ -268,17 +296,12 @@ impl<'a> Writer<'a> {
     /// # Errors
     /// Where another manifest stands there, or the store fails.
     pub fn finish(&self) -> Result<Option<ManifestHash>, WriteError> {
-        let mut manifest = Vec::new();
         for scene in &self.contents.scenes {
             if !self.finish_scene(&scene.name)? {
                 return Ok(None);
             }
-            manifest.extend(self.store.get(&format!("{}/{PART}", scene.name))?);
         }
-        let hash = ManifestHash::of(&manifest);
-        self.put_again(MANIFEST, &manifest, false)?;
-        self.put_again(ROOT_HASH, hash.to_file().as_bytes(), false)?;
-        Ok(Some(hash))
+        put_manifest(self.store, &mut self.contents.scenes.iter().map(|scene| scene.name.clone())).map(Some)
     }
 
     /// The records of a scene's samples as they stand in the store, if all do.
@@ -295,20 +318,13 @@ impl<'a> Writer<'a> {
     /// where no record names the file yet (`replaceable`): then nobody was promised it, it is what a machine that lost
     /// its power kept of a file, and it is made anew.
     fn put_again(&self, path: &str, bytes: &[u8], replaceable: bool) -> Result<(), WriteError> {
-        match self.store.put(path, bytes) {
-            Err(StoreError::Exists { .. }) => {}
-            done => return Ok(done?),
+        match put_same(self.store, path, bytes) {
+            Err(WriteError::Differs { .. }) if replaceable && !self.is_part && !self.store.is_shared() => {
+                self.store.discard(path)?;
+                Ok(self.store.put(path, bytes)?)
+            }
+            done => done,
         }
-        let existing = self.store.get(path)?;
-        if existing == bytes {
-            return Ok(());
-        }
-        let hash = |content: &[u8]| blake3::hash(content).to_hex().to_string();
-        if !replaceable {
-            return Err(WriteError::Differs { path: path.to_owned(), existing: hash(&existing), new: hash(bytes) });
-        }
-        self.store.discard(path)?;
-        Ok(self.store.put(path, bytes)?)
     }
 }
 
@@ -365,8 +381,49 @@ impl Contents {
     }
 }
 
+/// The files at or below a folder that are not just being written, with their sizes.
+pub(super) fn entries_of(store: &dyn Store, prefix: &str) -> Result<BTreeMap<String, Option<u64>>, StoreError> {
+    let finished = |path: &str| !path.rsplit('/').next().is_some_and(|name| name.starts_with(UNFINISHED));
+    Ok(store.list(prefix)?.into_iter().filter(|e| finished(&e.path)).map(|e| (e.path, e.bytes)).collect())
+}
+
+/// Makes a store that of a recipe, or finds that it is.
+fn own_recipe(
+    store: &dyn Store,
+    contents: &Contents,
+    entries: &BTreeMap<String, Option<u64>>,
+) -> Result<(), WriteError> {
+    let own = contents.recipe_toml.as_bytes();
+    if !entries.contains_key(RECIPE) {
+        if let Some(path) = entries.keys().next() {
+            return Err(WriteError::Foreign { path: path.clone() });
+        }
+        match store.put(RECIPE, own) {
+            Err(StoreError::Exists { .. }) => {}
+            done => return Ok(done?),
+        }
+    }
+    same_recipe(store, &contents.recipe_toml)
+}
+
+/// Whether a store is that of a recipe.
+///
+/// # Errors
+/// Where it holds another one, with the first thing that differs.
+pub fn same_recipe(store: &dyn Store, recipe_toml: &str) -> Result<(), WriteError> {
+    let existing = store.get(RECIPE)?;
+    if existing == recipe_toml.as_bytes() {
+        return Ok(());
+    }
+    Err(refusal(&String::from_utf8_lossy(&existing), recipe_toml))
+}
+
 /// The record of a sample that stands, held against the sizes of its files. Hashes are for `verify`.
-fn check_standing(store: &dyn Store, id: &str, entries: &BTreeMap<String, Option<u64>>) -> Result<(), WriteError> {
+pub(super) fn check_standing(
+    store: &dyn Store,
+    id: &str,
+    entries: &BTreeMap<String, Option<u64>>,
+) -> Result<SampleRecord, WriteError> {
     let damaged = |what: String| WriteError::Damaged { id: id.to_owned(), what };
     let text = String::from_utf8(store.get(&format!("{id}/{SAMPLE}"))?)
         .map_err(|_| damaged("its record is no text".into()))?;
@@ -374,14 +431,16 @@ fn check_standing(store: &dyn Store, id: &str, entries: &BTreeMap<String, Option
     if record.id() != id || record.to_line() != text {
         return Err(damaged(format!("its record is that of `{}`, or was changed", record.id())));
     }
-    for file in record.files.values() {
+    for (name, file) in &record.files {
         match entries.get(&file.path) {
+            // The recipe's text is compared as a whole.
+            _ if name == "recipe" => {}
             Some(Some(bytes)) if *bytes == file.bytes => {}
             Some(_) => return Err(damaged(format!("`{}` has not the {} bytes that it had", file.path, file.bytes))),
             None => return Err(damaged(format!("`{}` is missing", file.path))),
         }
     }
-    Ok(())
+    Ok(record)
 }
 
 /// JSON as the dataset holds it: indented, with a final line end.

@@ -9,7 +9,7 @@ mod reduced;
 pub use page::gallery_html;
 
 use crate::dataset::formats::FormatError;
-use crate::dataset::{Dataset, GALLERY, ReadError, Seal, Store, StoreError};
+use crate::dataset::{Dataset, GALLERY, ReadError, Seal, Store, StoreError, WriteError, put_same};
 
 /// Most samples of a gallery; of a larger dataset it shows so many, evenly spread over the plan.
 pub const MOST_SAMPLES: usize = 1000;
@@ -24,6 +24,9 @@ pub enum GalleryError {
     /// The file cannot be written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// Another one stands there.
+    #[error(transparent)]
+    Write(#[from] WriteError),
     /// A picture cannot be encoded.
     #[error("sample `{id}`: {reason}")]
     Format {
@@ -40,11 +43,14 @@ pub enum GalleryError {
 /// Where the dataset cannot be read or the store fails.
 pub fn put_gallery(store: &dyn Store) -> Result<(), GalleryError> {
     let page = gallery_html(&Dataset::open(store)?, true)?;
-    match store.discard(GALLERY) {
-        Ok(()) | Err(StoreError::NotFound { .. }) => {}
+    match store.get(GALLERY) {
+        Ok(standing) if standing == page => return Ok(()),
+        Ok(_) => store.discard(GALLERY)?,
+        Err(StoreError::NotFound { .. }) => {}
         Err(other) => return Err(other.into()),
     }
-    Ok(store.put(GALLERY, &page)?)
+    // Another machine may have finished the same dataset meanwhile.
+    Ok(put_same(store, GALLERY, &page)?)
 }
 
 /// The same, where none stands there that is whole and shows this dataset.

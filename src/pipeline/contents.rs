@@ -2,21 +2,32 @@
 
 use crate::dataset::formats::{PixelKind, Pixels};
 use crate::dataset::{Contents, Layer, SceneContents, View};
-use crate::plan::Plan;
+use crate::plan::{Plan, SceneSpec, Shard, Share};
 use crate::recipe::{Label, RadianceFile, Recipe, Sensor};
 use crate::render::Image;
 use crate::render::sensor::{Coding, ImagePixels};
+use std::ops::Range;
 
 /// The dataset of a plan, file by file.
 pub fn contents(recipe: &Recipe, plan: &Plan) -> Contents {
-    let scene = |spec: &crate::plan::SceneSpec| SceneContents {
-        name: spec.name.clone(),
-        samples: spec.pairs.iter().map(|p| p.folder().to_owned()).collect(),
-    };
+    contents_of(recipe, plan, &Shard::WHOLE.of(recipe, plan))
+}
+
+/// The same of a part of it.
+pub(super) fn contents_of(recipe: &Recipe, plan: &Plan, shares: &[Share]) -> Contents {
+    let scene = |share: &Share| scene_contents(&plan.scenes[share.scene], share.pairs.clone());
     Contents {
         recipe_toml: recipe_text(recipe, plan),
-        scenes: plan.scenes.iter().map(scene).collect(),
+        scenes: shares.iter().map(scene).collect(),
         layers: layers(recipe),
+    }
+}
+
+/// What a scene's folder holds of some of its pairs.
+pub(super) fn scene_contents(spec: &SceneSpec, pairs: Range<usize>) -> SceneContents {
+    SceneContents {
+        name: spec.name.clone(),
+        samples: spec.pairs[pairs].iter().map(|p| p.folder().to_owned()).collect(),
     }
 }
 

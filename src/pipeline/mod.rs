@@ -5,6 +5,7 @@
 //! stopped.
 
 mod contents;
+mod merge;
 mod pair;
 mod profile;
 mod regenerate;
@@ -12,6 +13,7 @@ mod scene;
 mod schedule;
 
 pub use contents::{contents, recipe_text};
+pub use merge::{Merge, merge};
 pub use pair::{make_sample, rig};
 pub use profile::{Profile, ProfileReport, RayKinds, Stage, StageReport};
 pub use regenerate::{chosen, regenerate, same_recipe_text};
@@ -19,9 +21,9 @@ pub use scene::{BuiltScene, SceneRecord, build_scene};
 pub use schedule::generate;
 
 use crate::card::CardError;
-use crate::dataset::{ManifestHash, ReadError, WriteError};
+use crate::dataset::{JoinError, ManifestHash, ReadError, WriteError};
 use crate::gallery::GalleryError;
-use crate::plan::{Estimate, Plan, Shard};
+use crate::plan::{Costs, Estimate, Plan, Shard};
 use crate::recipe::Recipe;
 use crate::render;
 use std::sync::Arc;
@@ -77,7 +79,7 @@ pub enum Event<'a> {
 pub enum Outcome {
     /// The dataset is complete.
     Complete(ManifestHash),
-    /// This shard is done; others are not, so there is no manifest yet.
+    /// This shard is done; the manifest comes when all are merged.
     ShardDone,
     /// It was asked to stop and did, at a sample's border.
     Stopped,
@@ -90,6 +92,9 @@ pub enum PipelineError {
     /// The dataset could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// What shards wrote could not be joined.
+    #[error(transparent)]
+    Join(Box<JoinError>),
     /// The dataset could not be read.
     #[error(transparent)]
     Read(#[from] ReadError),
@@ -134,6 +139,12 @@ pub enum PipelineError {
     },
 }
 
+impl From<JoinError> for PipelineError {
+    fn from(error: JoinError) -> Self {
+        Self::Join(Box::new(error))
+    }
+}
+
 /// A pool of `jobs` threads.
 ///
 /// # Errors
@@ -169,15 +180,7 @@ pub fn second_scene_bytes(plan: &Plan) -> u64 {
     scenes.iter().take(SCENES_IN_FLIGHT).skip(1).sum()
 }
 
-/// How long a run takes, about, seconds: from runs of both regions, so a first idea and no promise.
+/// How long a run takes, about, seconds: what [`Costs`] says, shared by the threads.
 pub fn estimate_seconds(recipe: &Recipe, plan: &Plan, jobs: usize) -> f64 {
-    // All of one thread: a square metre of scene built, a ray traced and shaded, a cell of the surface models.
-    const SECONDS_PER_M2: f64 = 1.3e-5;
-    const RAYS_PER_SECOND: f64 = 8e5;
-    const MAP_CELLS_PER_SECOND: f64 = 6e5;
-    let cell_m = recipe.camera().gsd_m;
-    let cells: f64 = plan.scenes.iter().map(|s| scene::map_cells(&s.region, cell_m) as f64).sum();
-    let rays = Estimate::of(recipe, plan, SAMPLES_IN_FLIGHT).rays as f64;
-    let seconds = cells * cell_m * cell_m * SECONDS_PER_M2 + rays / RAYS_PER_SECOND + cells / MAP_CELLS_PER_SECOND;
-    seconds / jobs.max(1) as f64
+    Costs::of(recipe).plan_ms(plan) as f64 / 1000.0 / jobs.max(1) as f64
 }

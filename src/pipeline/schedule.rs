@@ -25,7 +25,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 use std::time::Duration;
 
-/// Runs a plan into a store. The caller holds the folder's lock.
+/// Runs a plan, or a shard of it, into a store. The caller holds the folder's lock, shared where it is a shard: shards are
+/// joined by [`merge`](super::merge), and by nothing else.
 ///
 /// # Errors
 /// Where the store holds something else or fails; what is recorded by then stands, and the same call goes on from there.
@@ -38,8 +39,11 @@ pub fn generate(
 ) -> Result<Outcome, PipelineError> {
     let lanes = Lanes::new(options.jobs, options.build_ahead)?;
     let meter = Meter(options.profile.cloned());
-    let writer = lanes.files.install(|| meter.stage(Stage::Open, || Writer::open(store, contents(recipe, plan))))?;
-    let shares = options.shard.of(plan);
+    let shares = options.shard.of(recipe, plan);
+    let contents = contents::contents_of(recipe, plan, &shares);
+    let open =
+        || if options.shard.is_whole() { Writer::open(store, contents) } else { Writer::open_part(store, contents) };
+    let writer = lanes.files.install(|| meter.stage(Stage::Open, open))?;
     let run = Run { recipe, plan, writer, lanes, meter, stop: options.stop, closed: AtomicBool::new(false), report };
     let pairs = || shares.iter().flat_map(|share| &plan.scenes[share.scene].pairs[share.pairs.clone()]);
     let standing = || pairs().filter(|p| run.writer.is_recorded(&p.id)).count();
@@ -48,8 +52,11 @@ pub fn generate(
     if standing() < pairs().count() {
         return Ok(Outcome::Stopped);
     }
+    if !options.shard.is_whole() {
+        return Ok(Outcome::ShardDone);
+    }
     let finished = run.lanes.files.install(|| run.meter.stage(Stage::Finish, || run.writer.finish()))?;
-    let Some(root_hash) = finished else { return Ok(Outcome::ShardDone) };
+    let Some(root_hash) = finished else { return Ok(Outcome::Stopped) };
     run.lanes.files.install(|| run.meter.stage(Stage::Finish, || ensure_card(store)))?;
     run.lanes.files.install(|| run.meter.stage(Stage::Finish, || ensure_gallery(store)))?;
     Ok(Outcome::Complete(root_hash))

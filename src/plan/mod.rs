@@ -3,15 +3,17 @@
 //! Nothing here depends on threads, shards or the order of work. A scene is keyed by region, variant, parameters and
 //! seed; what the camera does is no part of its key, so one scene serves every pair of its pivot.
 
+mod cost;
 mod estimate;
 mod pairs;
 mod reach;
 mod shard;
 mod split;
 
+pub use cost::{Costs, HOW_MEASURED, Measured, RegionTotal, SceneCost, TABLE};
 pub use estimate::Estimate;
 pub use reach::{DatumBounds, frame_reach_m};
-pub use shard::{Shard, ShardError, Share};
+pub use shard::{MAX_SHARDS, Shard, ShardError, Share};
 pub use split::Split;
 
 use crate::recipe::{MAX_PIVOTS, PairGeometry, Pivots, Recipe, Region, changed_parameters, parameters_text};

@@ -46,6 +46,12 @@ impl Bench {
         command
     }
 
+    pub(crate) fn merge(&self, out: &Path, extra: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_satseed"));
+        command.arg("merge").arg(out).args(extra).current_dir(self.folder.path());
+        command
+    }
+
     /// The tree of an undisturbed run.
     pub(crate) fn undisturbed(&self, extra: &[&str]) -> Tree {
         let out = self.out("undisturbed");

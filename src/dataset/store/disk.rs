@@ -1,13 +1,10 @@
 //! A store in a folder.
 
-use super::{Entry, Store, StoreError, check_path};
+use super::{Chunks, Entry, Store, StoreError, UNFINISHED, check_path};
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Unfinished files begin so. A dot is not allowed in a dataset's own names, so nothing else can be meant.
-const UNFINISHED: &str = ".satseed-unfinished-";
 
 /// Files in a folder.
 ///
@@ -18,6 +15,9 @@ pub struct DiskStore {
     root: PathBuf,
     counter: AtomicU64,
     links_only: bool,
+    shared: bool,
+    /// Of this machine and process, for names of unfinished files: other machines may write into the same folder.
+    owner: String,
 }
 
 impl DiskStore {
@@ -30,7 +30,8 @@ impl DiskStore {
         if !metadata.is_dir() {
             return Err(failed("open", root, io::Error::from(ErrorKind::NotADirectory)));
         }
-        Ok(Self { root: root.to_owned(), counter: AtomicU64::new(0), links_only: false })
+        let counter = AtomicU64::new(0);
+        Ok(Self { root: root.to_owned(), counter, links_only: false, shared: false, owner: owner() })
     }
 
     /// A store in a folder that is made where it is missing.
@@ -47,6 +48,13 @@ impl DiskStore {
     #[must_use]
     pub fn with_links(mut self) -> Self {
         self.links_only = true;
+        self
+    }
+
+    /// Others may be writing into the same folder: see [`Store::is_shared`].
+    #[must_use]
+    pub fn shared(mut self) -> Self {
+        self.shared = true;
         self
     }
 
@@ -92,8 +100,14 @@ impl DiskStore {
     }
 }
 
-impl Store for DiskStore {
-    fn put(&self, path: &str, bytes: &[u8]) -> Result<(), StoreError> {
+impl DiskStore {
+    /// Creates a file of what `fill` writes: an error of the system's is inside, of the content's outside.
+    fn put_filled(
+        &self,
+        path: &str,
+        bytes: u64,
+        fill: &mut dyn FnMut(&mut File) -> Result<io::Result<()>, StoreError>,
+    ) -> Result<(), StoreError> {
         let place = self.place(path)?;
         if fs::symlink_metadata(&place).is_ok() {
             return Err(StoreError::Exists { path: path.to_owned() });
@@ -101,20 +115,61 @@ impl Store for DiskStore {
         self.make_parents(path)?;
         let folder = place.parent().unwrap_or(&self.root);
         let number = self.counter.fetch_add(1, Ordering::Relaxed);
-        let temporary = folder.join(format!("{UNFINISHED}{}-{number}", std::process::id()));
-
-        let written = write_synced(&temporary, bytes)
-            .and_then(|()| if self.links_only { link(&temporary, &place) } else { rename_new(&temporary, &place) });
+        let temporary = folder.join(format!("{UNFINISHED}{}-{number}", self.owner));
+        let system = |error: io::Error| match error {
+            e if is_full(&e) => StoreError::Full { path: path.to_owned(), bytes },
+            e if e.kind() == ErrorKind::AlreadyExists => StoreError::Exists { path: path.to_owned() },
+            e => failed("write", &place, e),
+        };
+        let written = (|| {
+            let mut file = OpenOptions::new().write(true).create_new(true).open(&temporary).map_err(system)?;
+            fill(&mut file)?.and_then(|()| file.sync_all()).map_err(system)?;
+            if self.links_only { link(&temporary, &place) } else { rename_new(&temporary, &place) }.map_err(system)
+        })();
         if let Err(error) = written {
             // The error at hand says more than a failure to clean up, and the next run clears what is left.
             let _ = fs::remove_file(&temporary);
-            return Err(match error {
-                e if is_full(&e) => StoreError::Full { path: path.to_owned(), bytes: bytes.len() as u64 },
-                e if e.kind() == ErrorKind::AlreadyExists => StoreError::Exists { path: path.to_owned() },
-                e => failed("write", &place, e),
-            });
+            return Err(error);
         }
         sync_folder(folder)
+    }
+}
+
+impl Store for DiskStore {
+    fn put(&self, path: &str, bytes: &[u8]) -> Result<(), StoreError> {
+        self.put_filled(path, bytes.len() as u64, &mut |file| Ok(file.write_all(bytes)))
+    }
+
+    fn put_chunks(&self, path: &str, chunks: &mut Chunks<'_>) -> Result<(), StoreError> {
+        self.put_filled(path, 0, &mut |file| {
+            for chunk in &mut *chunks {
+                if let Err(error) = file.write_all(&chunk?) {
+                    return Ok(Err(error));
+                }
+            }
+            Ok(Ok(()))
+        })
+    }
+
+    fn get_chunks(&self, path: &str, each: &mut dyn FnMut(&[u8])) -> Result<(), StoreError> {
+        let place = self.place(path)?;
+        if !place.is_file() {
+            return Err(StoreError::NotFound { path: path.to_owned() });
+        }
+        let reading = |e| failed("read", &place, e);
+        let (mut file, mut buffer) = (File::open(&place).map_err(reading)?, vec![0; 1 << 20]);
+        loop {
+            match file.read(&mut buffer) {
+                Ok(0) => return Ok(()),
+                Ok(n) => each(&buffer[..n]),
+                Err(e) if e.kind() == ErrorKind::Interrupted => {}
+                Err(e) => return Err(reading(e)),
+            }
+        }
+    }
+
+    fn is_shared(&self) -> bool {
+        self.shared
     }
 
     fn get(&self, path: &str) -> Result<Vec<u8>, StoreError> {
@@ -191,18 +246,20 @@ fn walk(folder: &Path, prefix: &str, found: &mut dyn FnMut(&Path, Entry)) -> Res
     Ok(())
 }
 
+/// Which process of which machine this is, in letters that a file name may have.
+fn owner() -> String {
+    let system = rustix::system::uname();
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    let machine: String = system.nodename().to_string_lossy().chars().take(48).map(plain).collect();
+    format!("{machine}-{}", std::process::id())
+}
+
 fn failed(doing: &'static str, path: &Path, reason: io::Error) -> StoreError {
     StoreError::Io { doing, path: path.display().to_string(), reason }
 }
 
 fn is_full(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
-}
-
-fn write_synced(place: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(place)?;
-    file.write_all(bytes)?;
-    file.sync_all()
 }
 
 /// Gives a file its name, unless that name is taken.

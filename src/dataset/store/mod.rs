@@ -1,13 +1,20 @@
-//! Where a dataset's files go: create-only, on disk today, on object stores later.
+//! Where a dataset's files go: create-only, on disk or in object storage.
 //!
 //! A file appears whole or not at all, and never changes once it stands. Everything else that reliability needs
 //! (resume, verify, equal trees) is built on these two facts and on nothing that only a disk can do.
 
 mod disk;
 mod memory;
+#[cfg(feature = "cloud")]
+mod object;
 
 pub use disk::DiskStore;
 pub use memory::MemoryStore;
+#[cfg(feature = "cloud")]
+pub use object::ObjectStore;
+
+/// Unfinished files begin so. A dot is not allowed in a dataset's own names, so nothing else can be meant.
+pub(super) const UNFINISHED: &str = ".satseed-unfinished-";
 
 /// A file as [`Store::list`] sees it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,9 +53,40 @@ pub trait Store: Send + Sync {
     /// nothing else: what a record names is never touched.
     fn discard(&self, path: &str) -> Result<(), StoreError>;
 
-    /// Clears what dead writers left unfinished. Only the owner of the store's lock may call it.
+    /// Clears what dead writers left unfinished. Only who knows that nobody else is writing may call it.
     fn clear_unfinished(&self) -> Result<(), StoreError>;
+
+    /// Whether others may be writing here at the same time. Then what stands is whole and somebody's own: nothing is
+    /// cleared or discarded for not being what it should be.
+    fn is_shared(&self) -> bool {
+        false
+    }
+
+    /// [`Self::put`] of a content that comes piece by piece and need not fit memory. An error among the pieces is given
+    /// back, and nothing is created.
+    ///
+    /// # Errors
+    /// As [`Self::put`].
+    fn put_chunks(&self, path: &str, chunks: &mut Chunks<'_>) -> Result<(), StoreError> {
+        let mut content = Vec::new();
+        for chunk in chunks {
+            content.extend(chunk?);
+        }
+        self.put(path, &content)
+    }
+
+    /// Hands over the content of a file piece by piece.
+    ///
+    /// # Errors
+    /// As [`Self::get`]; pieces may have been handed over before.
+    fn get_chunks(&self, path: &str, each: &mut dyn FnMut(&[u8])) -> Result<(), StoreError> {
+        each(&self.get(path)?);
+        Ok(())
+    }
 }
+
+/// The pieces of a content.
+pub type Chunks<'a> = dyn Iterator<Item = Result<Vec<u8>, StoreError>> + 'a;
 
 /// Why a store could not do what was asked.
 #[derive(Debug, thiserror::Error)]
@@ -83,6 +121,24 @@ pub enum StoreError {
         path: String,
         /// What is wrong with it.
         why: &'static str,
+    },
+    /// A server said no, or nothing at all.
+    #[error("cannot {doing} `{path}`: {reason}")]
+    Remote {
+        /// What was tried.
+        doing: &'static str,
+        /// Which file, with the root.
+        path: String,
+        /// What the server said, and what to do.
+        reason: String,
+    },
+    /// A place that is none.
+    #[error("`{place}` is no place for a dataset: {why}")]
+    BadPlace {
+        /// As given.
+        place: String,
+        /// What would be right.
+        why: String,
     },
     /// The system said no.
     #[error("cannot {doing} `{path}`: {reason}")]
@@ -135,8 +191,8 @@ mod tests {
         }
     }
 
-    /// What every store must do, whichever it is.
-    fn conforms(store: &dyn Store) {
+    /// What every store must do, whichever it is. Object stores have no folders that a file could stand in the way of.
+    pub(super) fn conforms(store: &dyn Store, has_folders: bool) {
         assert_eq!(store.list("").unwrap(), []);
         assert!(matches!(store.get("a/b.bin"), Err(StoreError::NotFound { .. })));
         assert_eq!(store.size("a/b.bin").unwrap(), None);
@@ -157,8 +213,10 @@ mod tests {
         assert!(matches!(store.put("a/b.bin", b"one"), Err(StoreError::Exists { .. })));
         assert_eq!(store.get("a/b.bin").unwrap(), b"one");
         // A file is no folder, a folder no file.
-        assert!(store.put("a/b.bin/c", b"x").is_err());
-        assert!(store.put("a/b/c", b"x").is_err());
+        if has_folders {
+            assert!(store.put("a/b.bin/c", b"x").is_err());
+            assert!(store.put("a/b/c", b"x").is_err());
+        }
 
         let paths = |prefix| -> Vec<(String, Option<u64>)> {
             store.list(prefix).unwrap().into_iter().map(|e| (e.path, e.bytes)).collect()
@@ -191,25 +249,50 @@ mod tests {
         let content = store.get("race").unwrap();
         assert!(content.len() == 50_000 && content.iter().all(|b| *b == content[0]));
 
+        // In pieces, also more of them than one request holds; an error on the way creates nothing.
+        let pieces = |n: u8| (0..n).map(|i| Ok(vec![i; 1 << 20]));
+        store.put_chunks("pieces", &mut pieces(70)).unwrap();
+        assert!(matches!(store.put_chunks("pieces", &mut pieces(1)), Err(StoreError::Exists { .. })));
+        let (mut bytes, mut sum) = (0, 0_u64);
+        let mut count = |piece: &[u8]| {
+            bytes += piece.len();
+            sum += piece.iter().map(|b| u64::from(*b)).sum::<u64>();
+        };
+        store.get_chunks("pieces", &mut count).unwrap();
+        assert_eq!((bytes, sum), (70 << 20, (0..70).sum::<u64>() << 20));
+        assert!(matches!(store.get_chunks("a", &mut |_| ()), Err(StoreError::NotFound { .. })));
+        let broken = || StoreError::NotFound { path: "elsewhere".into() };
+        let mut failing = pieces(70).chain([Err(broken())]);
+        assert!(matches!(store.put_chunks("broken", &mut failing), Err(StoreError::NotFound { .. })));
+        let mut failing = pieces(1).chain([Err(broken())]);
+        assert!(matches!(store.put_chunks("broken", &mut failing), Err(StoreError::NotFound { .. })));
+        assert_eq!(store.size("broken").unwrap(), None);
+
+        // One large content too: whole, and once.
+        store.put("large", &vec![9; 70 << 20]).unwrap();
+        assert!(matches!(store.put("large", &vec![8; 70 << 20]), Err(StoreError::Exists { .. })));
+        let content = store.get("large").unwrap();
+        assert!(content.len() == 70 << 20 && content.iter().all(|b| *b == 9));
+
         store.clear_unfinished().unwrap();
-        assert_eq!(store.list("").unwrap().len(), 5, "only unfinished files are cleared");
+        assert_eq!(store.list("").unwrap().len(), 7, "only unfinished files are cleared");
     }
 
     #[test]
     fn memory_conforms() {
-        conforms(&MemoryStore::default());
+        conforms(&MemoryStore::default(), true);
     }
 
     #[test]
     fn disk_conforms() {
         let folder = tempfile::tempdir().unwrap();
-        conforms(&DiskStore::open(folder.path()).unwrap());
+        conforms(&DiskStore::open(folder.path()).unwrap(), true);
     }
 
     /// Where a file system knows no rename that refuses, links do the same.
     #[test]
     fn disk_conforms_with_links() {
         let folder = tempfile::tempdir().unwrap();
-        conforms(&DiskStore::open(folder.path()).unwrap().with_links());
+        conforms(&DiskStore::open(folder.path()).unwrap().with_links(), true);
     }
 }
