@@ -16,9 +16,10 @@ from typing import Any
 
 from . import _native
 from ._native import DatasetError, GenerateError, RecipeError, __version__
+from ._view import view
 
 __all__ = [
-    "Dataset", "DatasetError", "GenerateError", "RecipeError", "Sample", "Scene", "__version__", "generate", "open", "plan",
+    "REGIONS", "Dataset", "DatasetError", "GenerateError", "RecipeError", "Sample", "Scene", "__version__", "crops", "generate", "open", "plan", "view",
 ]
 
 MISS, VALID, OCCLUDED, OUT_OF_FRAME = 0, 1, 2, 3
@@ -136,11 +137,19 @@ class Scene:
         set: Mapping[str, Any] | Sequence[str] | None = None,
         seed: int | None = None,
         threads: int | None = None,
+        crop: bool = False,
     ) -> None:
-        """Builds scene ``index`` of the recipe's plan, on ``threads`` threads (all cores)."""
+        """Builds scene ``index`` of the recipe's plan, on ``threads`` threads (all cores).
+
+        ``crop``: only what the frames of its pairs see is built, whatever the region's ``radius_m``: the smallest radius
+        that the recipe's frames and baselines need. Labels are those of the same pairs of the whole scene, whose name the
+        scene keeps; images differ where far ground shades or lights the crop. All pairs count as ``train``.
+        """
         threads = os.cpu_count() or 1 if threads is None else _whole("threads", threads, 1)
         seed = None if seed is None else _whole("seed", seed)
-        self._native: _native.Scene | None = _native.Scene(_recipe(recipe), _set(set), seed, _whole("index", index), threads)
+        if not isinstance(crop, bool):
+            raise RecipeError(f"crop is True or False, but {crop!r} is neither")
+        self._native: _native.Scene | None = _native.Scene(_recipe(recipe), _set(set), seed, _whole("index", index), threads, crop)
 
     def _open(self) -> _native.Scene:
         if self._native is None:
@@ -151,6 +160,11 @@ class Scene:
     def name(self) -> str:
         """Its name, the folder that it has in a dataset."""
         return self._open().name
+
+    @property
+    def radius_m(self) -> float:
+        """How far from the pivot it stands in full detail, m."""
+        return self._open().radius_m
 
     @property
     def pairs(self) -> list[str]:
@@ -180,6 +194,40 @@ class Scene:
 
     def __reduce__(self) -> Any:
         raise TypeError("a scene cannot be pickled: send recipe, seed and index, and build it there")
+
+
+REGIONS = ("canyon", "toronto", "desert", "field", "forest")
+"""The regions that stand so far."""
+
+
+def crops(
+    *regions: str, size_px: tuple[int, int] = (512, 384), baseline_m: tuple[float, float] = (50.0, 100.0), samples_per_pixel: int = 1
+) -> str:
+    """The text of a recipe of small frames, for a stream: a scene of each region (all of them), left labels alone.
+
+    Frames overlap fully at the pivot's height, so that disparities are signed: higher things have more than 0.
+
+    >>> import satseed
+    >>> [scene["region"] for scene in satseed.plan(satseed.crops("desert", "field"))]
+    ['desert', 'field']
+    """
+    columns, rows = (_whole("size_px", size, 1) for size in size_px)
+    low_m, high_m = (_toml(float(length)) for length in baseline_m)
+    scenes = "".join(f"[[scene]]\n{json.dumps(region)} = {{}}\npivots = 1\n" for region in regions or REGIONS)
+    return f"""extends = "satunreal"
+[camera]
+size_px = [{columns}, {rows}]
+datum = "pivot"
+[acquisition]
+baseline_m = {{ from = {low_m}, to = {high_m}, steps = 16 }}
+azimuth_deg = {{ from = -90.0, to = 90.0, draws = 16 }}
+[sensor]
+samples_per_pixel = {_whole("samples_per_pixel", samples_per_pixel, 1)}
+[labels]
+write = []
+[split]
+rule = "by-pivot"
+{scenes}"""
 
 
 def generate(

@@ -57,8 +57,9 @@ class StereoStream(IterableDataset):
 
     Blocks of ``pairs_per_scene`` samples share a scene; blocks are dealt over ranks and workers, so that no sample comes
     twice. Each block takes the next scene of the recipe's plan, grown from a seed of its own: the recipe must give its
-    scenes by ``pivots``, not by ``seeds``. ``set`` may be a function of the sample's index, for a curriculum; it is asked
-    once a block.
+    scenes by ``pivots``, not by ``seeds``. Only what the frames of its pairs see is built, whatever ``radius_m`` the recipe
+    has; labels are those of the whole scene. A block's pairs are spread over the recipe's baselines and azimuths. ``set`` may
+    be a function of the sample's index, for a curriculum; it is asked once a block.
     """
 
     def __init__(
@@ -96,8 +97,10 @@ class StereoStream(IterableDataset):
         """Another epoch: other scenes."""
         self.epoch = satseed._whole("epoch", epoch)
 
-    def _changes(self, index: int) -> Mapping[str, Any] | None:
-        return self.set(index) if callable(self.set) else self.set
+    def _changes(self, index: int) -> Mapping[str, Any]:
+        changes = self.set(index) if callable(self.set) else self.set
+        # As many pairs as a block asks for, spread over baselines and azimuths, unless the caller knows better.
+        return {"acquisition.pairs_per_pivot": self.pairs_per_scene, **(changes or {})}
 
     def block_seed(self, block: int) -> int:
         """The recipe's seed in a block, from (seed, epoch, block)."""
@@ -126,7 +129,8 @@ class StereoStream(IterableDataset):
             first = block * self.pairs_per_scene
             wanted = range(max(first, self.start), min(first + self.pairs_per_scene, self.samples or first + self.pairs_per_scene))
             with satseed.Scene(
-                self.recipe, index=block % self.scenes, set=self._changes(first), seed=self.block_seed(block), threads=threads
+                self.recipe, index=block % self.scenes, set=self._changes(first), seed=self.block_seed(block), threads=threads,
+                crop=True,
             ) as scene:
                 pairs = len(scene.pairs)
                 for i in wanted:
