@@ -24,12 +24,8 @@ def points(sample: Sample) -> tuple[Any, Any]:
     return seen * depth_m[:, None] @ np.asarray(left["world_from_camera"]).T + left["position_m"], known
 
 
-def view(sample: Sample, *, save: str | os.PathLike[str] | None = None, name: str = "satseed") -> Any:
-    """Shows a pair in the Rerun viewer: both images in their cameras, disparity and validity, and the points in the world.
-
-    ``save`` writes a ``.rrd`` file instead of starting a viewer. Returns Rerun's recording, to log more into it. Needs
-    ``rerun-sdk``: ``pip install rerun-sdk``, or ``satseed[rerun]``.
-    """
+def view(sample: Sample, *, save: str | os.PathLike[str] | None, name: str) -> Any:
+    """What `satseed.view` does."""
     from . import Sample
 
     if not isinstance(sample, Sample):

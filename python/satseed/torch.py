@@ -19,14 +19,18 @@ _MOST_SEED = 900_000_000_000_000
 
 def tensors(sample: satseed.Sample) -> dict[str, Any]:
     """A pair as tensors: ``left``, ``right`` uint8 (3, rows, columns), ``disparity`` float32 px and ``valid`` bool (rows, columns)."""
-    image = lambda array: torch.from_numpy(array).movedim(-1, 0).contiguous() if array.ndim == 3 else torch.from_numpy(array)[None]
     return {
-        "left": image(sample.left),
-        "right": image(sample.right),
+        "left": _image(sample.left),
+        "right": _image(sample.right),
         "disparity": torch.from_numpy(sample.disparity),
         "valid": torch.from_numpy(sample.valid),
         "id": sample.id,
     }
+
+
+def _image(array: Any) -> Any:
+    image = torch.from_numpy(array)
+    return image.movedim(-1, 0).contiguous() if array.ndim == 3 else image[None]
 
 
 class StereoDataset(TorchDataset):
