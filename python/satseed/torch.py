@@ -64,6 +64,12 @@ class StereoStream(IterableDataset):
     scenes by ``pivots``, not by ``seeds``. Only what the frames of its pairs see is built, whatever ``radius_m`` the recipe
     has; labels are those of the whole scene. A block's pairs are spread over the recipe's baselines and azimuths. ``set`` may
     be a function of the sample's index, for a curriculum; it is asked once a block.
+
+    >>> import satseed
+    >>> from satseed.torch import StereoStream
+    >>> stream = StereoStream(satseed.crops("toronto", size_px=(64, 48)), seed=1, samples=2, pairs_per_scene=2)
+    >>> [(pair["index"], tuple(pair["left"].shape)) for pair in stream]
+    [(0, (3, 48, 64)), (1, (3, 48, 64))]
     """
 
     def __init__(
@@ -74,7 +80,7 @@ class StereoStream(IterableDataset):
         samples: int | None = None,
         epoch: int = 0,
         start: int = 0,
-        pairs_per_scene: int = 16,
+        pairs_per_scene: int = 32,
         set: Mapping[str, Any] | Callable[[int], Mapping[str, Any]] | None = None,
         rank: int = 0,
         world_size: int = 1,
@@ -102,9 +108,16 @@ class StereoStream(IterableDataset):
         self.epoch = satseed._whole("epoch", epoch)
 
     def _changes(self, index: int) -> Mapping[str, Any]:
-        changes = self.set(index) if callable(self.set) else self.set
-        # As many pairs as a block asks for, spread over baselines and azimuths, unless the caller knows better.
-        return {"acquisition.pairs_per_pivot": self.pairs_per_scene, **(changes or {})}
+        given = (self.set(index) if callable(self.set) else self.set) or {}
+        if not isinstance(given, Mapping):
+            raise satseed.RecipeError(f"set is a mapping, such as {{'camera.gsd_m': 0.5}}, or a function of an index that gives one, but {given!r} is not")
+        changes = dict(given)
+        if "acquisition.pairs_per_pivot" not in changes:
+            most = max(len(scene["pairs"]) for scene in satseed.plan(self.recipe, set=changes, seed=1))
+            if most > self.pairs_per_scene:
+                # As many as a block asks for, spread over all baselines and azimuths.
+                changes["acquisition.pairs_per_pivot"] = self.pairs_per_scene
+        return changes
 
     def block_seed(self, block: int) -> int:
         """The recipe's seed in a block, from (seed, epoch, block)."""

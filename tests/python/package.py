@@ -280,16 +280,19 @@ def streams():
         return
     from torch.utils.data import DataLoader
 
+    import satseed.torch
     from satseed.torch import StereoDataset, StereoStream
 
+    found = doctest.testmod(satseed.torch)
+    check(found.attempted >= 4 and found.failed == 0, f"{found.failed} of {found.attempted} lines of docstrings do not hold")
     files = StereoDataset(root)
     one = files[0]
     check(one["left"].dtype == torch.uint8 and one["left"].shape[0] == 3 and one["disparity"].dtype == torch.float32, "tensors")
     loaded = [b["id"][0] for b in DataLoader(files, num_workers=1)]
     check(loaded == [r["id"] for r in files.dataset.records], "a worker reads all of a dataset")
 
-    def stream(**more):
-        return StereoStream(TOWNS, seed=3, samples=5, pairs_per_scene=2, set=SMALL, threads=1, **more)
+    def stream(set=SMALL, **more):
+        return StereoStream(TOWNS, seed=3, samples=5, pairs_per_scene=2, set=set, threads=1, **more)
 
     def content(items):
         return sorted((i["index"], i["id"], i["left"].numpy().tobytes(), i["disparity"].numpy().tobytes()) for i in items)
@@ -303,7 +306,12 @@ def streams():
     check(content(ranks) == alone, "two ranks give the same samples")
     check(content(stream(start=3)) == alone[3:], "a stream is resumed by its index")
     check(content(stream(epoch=1)) != alone, "another epoch has other samples")
+    wider = content(stream(set=lambda i: {**SMALL, "camera.gsd_m": 0.3 if i < 2 else 0.6}))
+    check(wider[:2] == alone[:2] and wider[2:] != alone[2:], "a curriculum changes what comes later")
+    check({i["id"] for i in stream()} <= {p["id"] for b in range(3) for s in satseed.plan(TOWNS, set=SMALL, seed=stream().block_seed(b)) for p in s["pairs"]},
+          "a stream's pairs are those of the recipe's whole scenes")
     refused(satseed.RecipeError, "seed of its own", lambda: StereoStream("quickstart", seed=1))
+    refused(satseed.RecipeError, "set is a mapping", lambda: stream(set=["camera.gsd_m=1"]))
     refused(satseed.RecipeError, "rank is 0 to 1", lambda: stream(rank=2, world_size=2))
 
 
