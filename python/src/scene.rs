@@ -47,7 +47,8 @@ impl Scene {
     ) -> PyResult<Self> {
         let recipe = recipe(recipe_text, set, seed)?;
         let refused = |e: PlanError| RecipeError::new_err(e.to_string());
-        let scenes = if crop { scenes(&recipe) } else { Plan::new(&recipe).map(|plan| plan.scenes) }.map_err(refused)?;
+        let scenes =
+            if crop { scenes(&recipe) } else { Plan::new(&recipe).map(|plan| plan.scenes) }.map_err(refused)?;
         let count = scenes.len();
         let Some(mut spec) = scenes.into_iter().nth(index) else {
             return Err(RecipeError::new_err(format!(
