@@ -19,14 +19,18 @@ _MOST_SEED = 900_000_000_000_000
 
 def tensors(sample: satseed.Sample) -> dict[str, Any]:
     """A pair as tensors: ``left``, ``right`` uint8 (3, rows, columns), ``disparity`` float32 px and ``valid`` bool (rows, columns)."""
-    image = lambda array: torch.from_numpy(array).movedim(-1, 0).contiguous() if array.ndim == 3 else torch.from_numpy(array)[None]
     return {
-        "left": image(sample.left),
-        "right": image(sample.right),
+        "left": _image(sample.left),
+        "right": _image(sample.right),
         "disparity": torch.from_numpy(sample.disparity),
         "valid": torch.from_numpy(sample.valid),
         "id": sample.id,
     }
+
+
+def _image(array: Any) -> Any:
+    image = torch.from_numpy(array)
+    return image.movedim(-1, 0).contiguous() if array.ndim == 3 else image[None]
 
 
 class StereoDataset(TorchDataset):
@@ -57,8 +61,15 @@ class StereoStream(IterableDataset):
 
     Blocks of ``pairs_per_scene`` samples share a scene; blocks are dealt over ranks and workers, so that no sample comes
     twice. Each block takes the next scene of the recipe's plan, grown from a seed of its own: the recipe must give its
-    scenes by ``pivots``, not by ``seeds``. ``set`` may be a function of the sample's index, for a curriculum; it is asked
-    once a block.
+    scenes by ``pivots``, not by ``seeds``. Only what the frames of its pairs see is built, whatever ``radius_m`` the recipe
+    has; labels are those of the whole scene. A block's pairs are spread over the recipe's baselines and azimuths. ``set`` may
+    be a function of the sample's index, for a curriculum; it is asked once a block.
+
+    >>> import satseed
+    >>> from satseed.torch import StereoStream
+    >>> stream = StereoStream(satseed.crops("toronto", size_px=(64, 48)), seed=1, samples=2, pairs_per_scene=2)
+    >>> [(pair["index"], tuple(pair["left"].shape)) for pair in stream]
+    [(0, (3, 48, 64)), (1, (3, 48, 64))]
     """
 
     def __init__(
@@ -69,7 +80,7 @@ class StereoStream(IterableDataset):
         samples: int | None = None,
         epoch: int = 0,
         start: int = 0,
-        pairs_per_scene: int = 16,
+        pairs_per_scene: int = 32,
         set: Mapping[str, Any] | Callable[[int], Mapping[str, Any]] | None = None,
         rank: int = 0,
         world_size: int = 1,
@@ -96,8 +107,17 @@ class StereoStream(IterableDataset):
         """Another epoch: other scenes."""
         self.epoch = satseed._whole("epoch", epoch)
 
-    def _changes(self, index: int) -> Mapping[str, Any] | None:
-        return self.set(index) if callable(self.set) else self.set
+    def _changes(self, index: int) -> Mapping[str, Any]:
+        given = (self.set(index) if callable(self.set) else self.set) or {}
+        if not isinstance(given, Mapping):
+            raise satseed.RecipeError(f"set is a mapping, such as {{'camera.gsd_m': 0.5}}, or a function of an index that gives one, but {given!r} is not")
+        changes = dict(given)
+        if "acquisition.pairs_per_pivot" not in changes:
+            most = max(len(scene["pairs"]) for scene in satseed.plan(self.recipe, set=changes, seed=1))
+            if most > self.pairs_per_scene:
+                # As many as a block asks for, spread over all baselines and azimuths.
+                changes["acquisition.pairs_per_pivot"] = self.pairs_per_scene
+        return changes
 
     def block_seed(self, block: int) -> int:
         """The recipe's seed in a block, from (seed, epoch, block)."""
@@ -126,7 +146,8 @@ class StereoStream(IterableDataset):
             first = block * self.pairs_per_scene
             wanted = range(max(first, self.start), min(first + self.pairs_per_scene, self.samples or first + self.pairs_per_scene))
             with satseed.Scene(
-                self.recipe, index=block % self.scenes, set=self._changes(first), seed=self.block_seed(block), threads=threads
+                self.recipe, index=block % self.scenes, set=self._changes(first), seed=self.block_seed(block), threads=threads,
+                crop=True,
             ) as scene:
                 pairs = len(scene.pairs)
                 for i in wanted:

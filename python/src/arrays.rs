@@ -47,3 +47,14 @@ fn shaped<T: numpy::Element>(
     let flat = values.into_pyarray(py);
     Ok(if bands == 1 { flat.reshape(shape)?.into_any() } else { flat.reshape([shape[0], shape[1], bands])?.into_any() })
 }
+
+/// Hands arrays of a size over as samples do, with the addresses that their values had before: for the test that nothing is
+/// copied.
+#[pyfunction]
+pub(crate) fn _hand_over(py: Python<'_>, height: u32, width: u32) -> PyResult<Vec<(usize, Bound<'_, PyAny>)>> {
+    let pixels = height as usize * width as usize;
+    let (image, map) = (vec![0_u8; 3 * pixels], vec![0_f32; pixels]);
+    let addresses = [image.as_ptr() as usize, map.as_ptr() as usize];
+    let handed = [Pixels::Rgb(image), Pixels::Float(map)].map(|pixels| array(py, Plane { width, height, pixels }));
+    addresses.into_iter().zip(handed).map(|(address, array)| Ok((address, array?))).collect()
+}

@@ -37,5 +37,6 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<scene::Scene>()?;
     m.add_class::<dataset::Dataset>()?;
     m.add_function(wrap_pyfunction!(scene::plan, m)?)?;
+    m.add_function(wrap_pyfunction!(arrays::_hand_over, m)?)?;
     Ok(())
 }

@@ -3,8 +3,8 @@
 use crate::{GenerateError, RecipeError, arrays, background, recipe};
 use pyo3::prelude::*;
 use satseed::pipeline::{BuiltScene, PipelineError, build_scene, make_sample, thread_pool};
-use satseed::plan::{Plan, SceneSpec};
-use satseed::recipe::Recipe;
+use satseed::plan::{Plan, PlanError, SceneSpec, scenes};
+use satseed::recipe::{Datum, Recipe};
 use self_cell::self_cell;
 use std::sync::Arc;
 
@@ -29,6 +29,7 @@ pub(crate) struct Scene {
     kept: Arc<Kept>,
     pool: Arc<rayon::ThreadPool>,
     name: String,
+    radius_m: f64,
     pairs: Vec<String>,
 }
 
@@ -42,26 +43,40 @@ impl Scene {
         seed: Option<u64>,
         index: usize,
         threads: usize,
+        crop: bool,
     ) -> PyResult<Self> {
         let recipe = recipe(recipe_text, set, seed)?;
-        let plan = Plan::new(&recipe).map_err(|e| RecipeError::new_err(e.to_string()))?;
-        let count = plan.scenes.len();
-        let Some(spec) = plan.scenes.into_iter().nth(index) else {
+        let refused = |e: PlanError| RecipeError::new_err(e.to_string());
+        let scenes =
+            if crop { scenes(&recipe) } else { Plan::new(&recipe).map(|plan| plan.scenes) }.map_err(refused)?;
+        let count = scenes.len();
+        let Some(mut spec) = scenes.into_iter().nth(index) else {
             return Err(RecipeError::new_err(format!(
                 "the recipe has {count} scenes, so there is none of index {index}"
             )));
         };
+        if crop {
+            spec = cropped(&recipe, spec)?;
+            spec.check_frames(&recipe).map_err(refused)?;
+        }
         let pool = Arc::new(thread_pool(threads).map_err(|e| failed(&e))?);
         let (name, pairs) = (spec.name.clone(), spec.pairs.iter().map(|p| p.id.clone()).collect());
+        let radius_m = spec.region.full_detail_radius_m();
         let builder = Arc::clone(&pool);
         let kept = background::run(py, move || builder.install(|| build(recipe, spec)))?.map_err(|e| failed(&e))?;
-        Ok(Self { kept: Arc::new(kept), pool, name, pairs })
+        Ok(Self { kept: Arc::new(kept), pool, name, radius_m, pairs })
     }
 
     /// The scene's name, its folder in a dataset.
     #[getter]
     fn name(&self) -> &str {
         &self.name
+    }
+
+    /// How far from the pivot it stands in full detail, m.
+    #[getter]
+    fn radius_m(&self) -> f64 {
+        self.radius_m
     }
 
     /// Ids of its pairs, in plan order.
@@ -88,6 +103,30 @@ impl Scene {
         let counted = made.map_err(|e| failed(&e))?;
         arrays::sample(py, counted.map_err(|e| GenerateError::new_err(e.to_string()))?)
     }
+}
+
+/// The scene with no more of it than its pairs' frames see. It keeps its name: what they see is the same in the whole.
+fn cropped(recipe: &Recipe, spec: SceneSpec) -> PyResult<SceneSpec> {
+    if recipe.camera().datum == Datum::Lowest {
+        return Err(RecipeError::new_err(
+            "camera.datum = \"lowest\" is the lowest point of a whole scene, which a crop does not know: take \"pivot\", a \
+             height or \"none\"",
+        ));
+    }
+    let needed_m = spec.reach_m(recipe.camera()).ceil();
+    let region = spec.region.clone().with_radius_m(needed_m);
+    let region = match region.check() {
+        Err(e) if e.key == "radius_m" && needed_m < e.low => region.with_radius_m(e.low),
+        Err(e) if e.key == "radius_m" => {
+            return Err(RecipeError::new_err(format!(
+                "the frames of scene {} see as far as {needed_m} m from the pivot, but a scene reaches at most {} m: smaller \
+                 frames or shorter baselines",
+                spec.name, e.high
+            )));
+        }
+        _ => region,
+    };
+    Ok(SceneSpec { region, ..spec })
 }
 
 fn build(recipe: Recipe, spec: SceneSpec) -> Result<Kept, PipelineError> {

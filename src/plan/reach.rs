@@ -1,6 +1,6 @@
 //! How far from the pivot frames see, before any scene stands.
 
-use super::{CLEARANCE_M, PlanError, SceneSpec};
+use super::{CLEARANCE_M, PairSpec, PlanError, SceneSpec};
 use crate::recipe::{Camera, Datum, Recipe};
 
 /// Lowest and highest height that the datum can turn out to have, m; `None` without a datum.
@@ -51,6 +51,17 @@ pub fn frame_reach_m(
         }
     }
     reach
+}
+
+impl SceneSpec {
+    /// The smallest radius of full detail that holds every frame of its pairs, m: a scene of that radius serves them as well
+    /// as a larger one.
+    pub fn reach_m(&self, camera: &Camera) -> f64 {
+        let heights_m = self.region.height_bounds_m();
+        let datum_m = datum_bounds(camera, heights_m);
+        let reach = |p: &PairSpec| frame_reach_m(camera, p.baseline_m, p.pivot_along_baseline, heights_m, datum_m);
+        self.pairs.iter().map(reach).fold(0.0, f64::max)
+    }
 }
 
 /// Refuses a plan whose cameras would stand in the scene or see beyond its full detail.
