@@ -36,7 +36,7 @@ def check(condition, what):
 def evaluate(predictions, *options, code=0):
     """The report, after the program has ended with the exit code."""
     file = work / "report.json"
-    command = ["cargo", "run", "--locked", "--quiet", "--", "evaluate", str(dataset)]
+    command = ["target/debug/satseed", "evaluate", str(dataset)]
     command += ["--predictions", str(predictions), "--json", str(file), *options]
     ended = subprocess.run(command, capture_output=True, text=True)
     check(ended.returncode == code, f"exit code {ended.returncode}, not {code}: {ended.stdout}{ended.stderr}")

@@ -36,7 +36,7 @@ def check(condition, what):
 def export(layout, *options, source=dataset, code=0):
     """The folder, after the program has ended with the exit code; of a refusal, its sentence."""
     out = work / f"{layout}{len(list(work.iterdir()))}"
-    command = ["cargo", "run", "--locked", "--quiet", "--", "export", str(source), "--layout", layout]
+    command = ["target/debug/satseed", "export", str(source), "--layout", layout]
     run = subprocess.run([*command, "--out", str(out), *options], capture_output=True, text=True)
     check(run.returncode == code, f"{layout} {options}: exit {run.returncode}, {run.stderr}")
     if code:
@@ -307,7 +307,7 @@ taken.mkdir()
 for folder, word in ((taken, "folder of its own"), (work / "left" / "x", "without `left`")):
     layout = "sceneflow"
     run = subprocess.run(
-        ["cargo", "run", "--locked", "--quiet", "--", "export", str(dataset), "--layout", layout, "--out", str(folder)],
+        ["target/debug/satseed", "export", str(dataset), "--layout", layout, "--out", str(folder)],
         capture_output=True,
         text=True,
     )

@@ -25,7 +25,7 @@ def check(condition, what):
 
 
 def satseed(*arguments):
-    return subprocess.run(["cargo", "run", "--locked", "--quiet", "--", *arguments], capture_output=True, text=True)
+    return subprocess.run(["target/debug/satseed", *arguments], capture_output=True, text=True)
 
 
 schema = json.loads(satseed("presets", "schema").stdout)

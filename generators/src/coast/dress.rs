@@ -175,8 +175,8 @@ struct Palette {
 fn palette(rng: &mut Rng) -> Palette {
     // From shell sand to quartz to dark volcanic grains; from chalk and limestone to slate.
     let sands = [
-        Bands::new(0.262, 0.318, 0.352, 0.42),
-        Bands::new(0.212, 0.272, 0.318, 0.39),
+        Bands::new(0.262, 0.319, 0.352, 0.42),
+        Bands::new(0.212, 0.272, 0.317, 0.39),
         Bands::new(0.168, 0.208, 0.238, 0.30),
     ];
     let rocks = [

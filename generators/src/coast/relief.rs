@@ -84,7 +84,7 @@ pub(super) struct Relief {
     stacks: SeedPath,
     /// Seeds of what covers the ground, which materials and plants share.
     pub(super) cover_seeds: [u32; dress::NOISES.len()],
-    relief_m: f64,
+    land_height_m: f64,
     roughness: f64,
     swell_m: f64,
     /// Heights within the full-detail tiles, [`POST_M`] apart.
@@ -172,7 +172,7 @@ impl Relief {
             seeds,
             stacks: path.child("stacks"),
             cover_seeds: dress::NOISES.map(|name| path.child("cover").child(name).hash_u32()),
-            relief_m: params.relief_m,
+            land_height_m: params.relief_m,
             roughness: params.roughness,
             swell_m: params.swell_m,
             window: empty(1),
@@ -275,8 +275,8 @@ impl Relief {
         // Paths to the beach lie lower.
         dune *= 1.0 - 0.55 * self.path(p, place).1;
         let plain = 0.6
-            + 0.10 * self.relief_m * smoothstep(60.0, 420.0, d)
-            + 0.16 * self.relief_m * fractal(p, self.seeds.hills, 340.0, 4, 0.42) * smoothstep(90.0, 330.0, d)
+            + 0.10 * self.land_height_m * smoothstep(60.0, 420.0, d)
+            + 0.16 * self.land_height_m * fractal(p, self.seeds.hills, 340.0, 4, 0.42) * smoothstep(90.0, 330.0, d)
             + 0.12 * rough * fractal(p, self.seeds.fine ^ 5, 11.0, 3, 0.5) * smoothstep(60.0, 120.0, d);
         let on_land = dune.max(-0.6) * field.max(0.04) + plain.max(-0.8) * smoothstep(0.0, 70.0, d);
         beach + on_land - 0.10 * self.track(p, place).1
@@ -302,7 +302,7 @@ impl Relief {
     /// The track behind the shore: its two ruts or its whole width, 0 to 1.
     pub(super) fn track(&self, p: DVec2, place: &Place) -> (f64, f64) {
         let wander = 16.0 * fractal(p, self.seeds.track, 260.0, 2, 0.5);
-        let at_m = if self.cliffs { 46.0 + 1.1 * self.relief_m } else { self.form.track_m };
+        let at_m = if self.cliffs { 46.0 + 1.1 * self.land_height_m } else { self.form.track_m };
         let off = (place.inland_m - at_m - wander).abs();
         let ruts = smoothstep(0.55, 0.25, (off - 0.85).abs());
         (ruts, smoothstep(2.3, 1.4, off))
@@ -310,7 +310,7 @@ impl Relief {
 
     /// Height of the cliff's top, m.
     pub(super) fn top_m(&self, p: DVec2) -> f64 {
-        self.relief_m * (0.80 + 0.62 * fractal(p, self.seeds.hills, 520.0, 2, 0.5)).clamp(0.35, 1.35)
+        self.land_height_m * (0.80 + 0.62 * fractal(p, self.seeds.hills, 520.0, 2, 0.5)).clamp(0.35, 1.35)
     }
 
     fn rocky_m(&self, p: DVec2, place: &Place) -> f64 {
@@ -348,7 +348,7 @@ impl Relief {
             climb + (stepped - climb) * on_face + rough * on_face * 0.55 * fractal(p, self.seeds.fine, 3.2, 4, 0.6);
         let inland = (beyond - wide_m).max(0.0);
         let land = smoothstep(0.0, 30.0, inland)
-            * (0.12 * self.relief_m * fractal(p, self.seeds.rolling, 190.0, 4, 0.45)
+            * (0.12 * self.land_height_m * fractal(p, self.seeds.rolling, 190.0, 4, 0.45)
                 + 0.16 * rough * fractal(p, self.seeds.fine ^ 5, 9.0, 4, 0.5))
             + 0.035 * inland.min(420.0);
         base.max(0.3 * sandy) + face + land - 0.10 * self.track(p, place).1
@@ -384,7 +384,7 @@ impl Relief {
 
     /// Height of a cell's stack at a place, far down where it has none.
     fn stack_m(&self, p: DVec2, cell: Cell) -> f64 {
-        if cell.draw(self.seeds.joints ^ 77) > 0.22 {
+        if cell.draw(self.seeds.joints ^ 0x4d) > 0.22 {
             return -1e3;
         }
         let mut rng = cell.key(&self.stacks).rng();

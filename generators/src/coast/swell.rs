@@ -83,7 +83,7 @@ impl Swell {
     }
 }
 
-/// Speed of a wave's crest over a depth, m/s (Fenton and McKee 1990).
+/// Speed of a wave's crest over a depth, m/s (Fenton and `McKee` 1990).
 fn speed(depth_m: f64, period_s: f64) -> f64 {
     let deep = GRAVITY * period_s / core::f64::consts::TAU;
     let x = core::f64::consts::TAU / period_s * f64::sqrt(depth_m / GRAVITY);
