@@ -89,7 +89,7 @@ fn surface_models_of_boxes() {
 fn surface_models_agree_with_rays() {
     for name in Region::NAMES {
         let region = Region::by_name(name).expect("registered").with_radius_m(60.0);
-        let scene = region.build(5);
+        let scene = region.build(1);
         let tracer = Tracer::new(&scene);
         let models = surface_models(&scene, 60.0, 0.3);
         let (mut bare, mut covered) = (0, 0);
