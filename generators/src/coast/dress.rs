@@ -72,10 +72,9 @@ pub(super) const NOISES: [&str; 12] =
     ["weed", "turbid", "marram", "turf", "heath", "tone", "hue", "stain", "shingle", "wrack", "wet", "clumps"];
 
 /// The slot of dry ground whose unit normal rises by `up`.
-pub(super) fn slot_of(relief: &Relief, p: DVec2, up: f64) -> u16 {
-    let s = relief.surface(p);
-    let [marram, turf] = plants(relief, p, &s, &relief.cover_seeds);
-    if relief.is_rock(&s, up) {
+pub(super) fn slot_of(relief: &Relief, p: DVec2, s: &Surface, up: f64) -> u16 {
+    let [marram, turf] = plants(relief, p, s, &relief.cover_seeds);
+    if relief.is_rock(s, up) {
         slot::ROCK
     } else if marram.max(turf) > 0.5 {
         slot::TURF

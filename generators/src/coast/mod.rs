@@ -162,7 +162,7 @@ fn dressed(tile: &TileMesh, relief: &Relief) -> Mesh {
             slot::WATER
         } else {
             let up = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize().z;
-            dress::slot_of(relief, middle, up)
+            dress::slot_of(relief, middle, &surface, up)
         });
     }
     mesh

@@ -257,7 +257,7 @@ impl Relief {
     fn sandy_m(&self, p: DVec2, place: &Place) -> f64 {
         let f = &self.form;
         let beach = self.beach_m(p, place);
-        let d = self.inland_m(p, place, 60.0, 7.0) - self.toe_m(p, place);
+        let d = self.inland_m(p, place, 60.0, 7.0) - self.toe_m(p);
         if d < -6.0 {
             return beach;
         }
@@ -282,7 +282,7 @@ impl Relief {
         beach + on_land - 0.10 * self.track(p, place).1
     }
 
-    fn toe_m(&self, p: DVec2, _place: &Place) -> f64 {
+    fn toe_m(&self, p: DVec2) -> f64 {
         self.form.toe_m + 16.0 * fractal(p, self.seeds.dunes ^ 9, 150.0, 2, 0.5)
     }
 
@@ -413,11 +413,7 @@ impl Relief {
         let e = 0.3;
         let z = |x: f64, y: f64| {
             let s = self.surface(p + DVec2::new(x, y));
-            if water && s.wave.is_some() {
-                s.water_m
-            } else {
-                s.land_m.max(if water { -1e3 } else { s.water_m.min(s.land_m) })
-            }
+            if water && s.wave.is_some() { s.water_m } else { s.land_m }
         };
         DVec2::new(z(e, 0.0) - z(-e, 0.0), z(0.0, e) - z(0.0, -e)) / (2.0 * e)
     }

@@ -1,6 +1,6 @@
 //! What lies and grows on the coast: boulders below cliffs, groynes of blocks, tufts of marram, bushes.
 
-use super::relief::{ROOT_M, Relief};
+use super::relief::Relief;
 use crate::kit::rock::block;
 use crate::kit::scatter::{self, Cell, Kind, Placed, add, place, variation};
 use crate::kit::shrub::shrub;
@@ -249,6 +249,3 @@ fn leaves(name: &str, color: Bands, path: &SeedPath) -> Vec<Material> {
     };
     vec![leaf, Material::diffuse("stems", Class::LowVegetation, Bands::new(0.08, 0.09, 0.11, 0.18))]
 }
-
-/// Blocks reach at most so far below the water.
-const _: () = assert!(ROOT_M > 5.0);

@@ -97,8 +97,8 @@ fn travel(depth: &Raster<f32>, towards: DVec2, period_s: f64) -> Raster<f32> {
     let mut time = vec![f64::INFINITY; w * h];
     let mut done = vec![false; w * h];
     let mut heap = BinaryHeap::new();
-    let offing = speed(f64::from(depth.data.iter().copied().fold(0.0, f32::max)), period_s);
     let deepest = f64::from(depth.data.iter().copied().fold(0.0, f32::max));
+    let offing = speed(deepest, period_s);
     for j in 0..h {
         for i in 0..w {
             let post = j * w + i;
