@@ -3,10 +3,10 @@
 use super::relief::Relief;
 use crate::kit::rock::block;
 use crate::kit::scatter::{self, Cell, Kind, Placed, add, place, variation};
-use crate::kit::shrub::shrub;
+use crate::kit::shrub::{planted, shrub};
 use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
-use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Rng, Scene, SeedPath, quantise_m};
 
 /// Different meshes of each kind.
@@ -156,22 +156,6 @@ fn groynes(relief: &Relief, path: &SeedPath) -> Vec<Placed> {
     things
 }
 
-/// A plant of a size, its stems in the ground.
-fn planted(relief: &Relief, p: DVec2, width_m: f64, height_m: f64, rng: &mut Rng, path: String) -> Placed {
-    let base = lowest(relief, p, 0.2 * width_m) - 0.03;
-    let lean = DVec3::new(rng.signed(), rng.signed(), 0.0) * 0.12;
-    let turn = DMat3::from_rotation_z(rng.range(0.0, core::f64::consts::TAU));
-    let tilt = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, (DVec3::Z + lean).normalize()));
-    let shape = DMat3::from_diagonal(DVec3::new(width_m, width_m * rng.range(0.75, 1.0), height_m));
-    Placed {
-        at_m: p,
-        world_from_object: DAffine3::from_mat3_translation(tilt * turn * shape, p.extend(base)),
-        variation: variation(rng),
-        mesh: rng.below(VARIANTS as u64) as u32,
-        path,
-    }
-}
-
 /// Tufts of marram on the dunes.
 fn tuft(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Placed> {
     if relief.cliffs {
@@ -191,7 +175,7 @@ fn tuft(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
     let p = cell.point(rng.unit(), rng.unit());
     let height = rng.lognormal(0.55, 0.25).clamp(0.3, 0.95);
     let width = height * rng.range(1.0, 1.8);
-    Some(planted(relief, p, width, height, &mut rng, cell.name("tuft")))
+    Some(planted(&|q: DVec2| relief.surface(q).land_m, p, [width, height], VARIANTS, &mut rng, cell.name("tuft")))
 }
 
 /// Bushes in groups on the land behind.
@@ -219,7 +203,7 @@ fn bush(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
     if relief.track(p, &s.place).1 > 0.0 {
         return None;
     }
-    Some(planted(relief, p, width, height, &mut rng, cell.name("bush")))
+    Some(planted(&|q: DVec2| relief.surface(q).land_m, p, [width, height], VARIANTS, &mut rng, cell.name("bush")))
 }
 
 fn stone_material(natural: bool, path: &SeedPath) -> Material {

@@ -4,11 +4,11 @@ use super::mounds::Mound;
 use super::relief::Relief;
 use crate::kit::rock::block;
 use crate::kit::scatter::{self, Cell, Kind, Placed, add, place, variation};
-use crate::kit::shrub::shrub;
+use crate::kit::shrub::{planted, shrub};
 use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
-use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
-use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Rng, Scene, SeedPath, quantise_m};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
+use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Scene, SeedPath, quantise_m};
 
 /// Different meshes of each kind.
 const VARIANTS: usize = 14;
@@ -35,22 +35,6 @@ fn lowest(relief: &Relief, p: DVec2, radius_m: f64) -> f64 {
     quantise_m(scatter::lowest(relief, p, radius_m)).into()
 }
 
-/// A shrub of a size, its stems in the ground.
-fn planted(relief: &Relief, p: DVec2, width_m: f64, height_m: f64, rng: &mut Rng, path: String) -> Placed {
-    let base = lowest(relief, p, 0.2 * width_m) - 0.03;
-    let lean = DVec3::new(rng.signed(), rng.signed(), 0.0) * 0.12;
-    let turn = DMat3::from_rotation_z(rng.range(0.0, core::f64::consts::TAU));
-    let tilt = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, (DVec3::Z + lean).normalize()));
-    let shape = DMat3::from_diagonal(DVec3::new(width_m, width_m * rng.range(0.75, 1.0), height_m));
-    Placed {
-        at_m: p,
-        world_from_object: DAffine3::from_mat3_translation(tilt * turn * shape, p.extend(base)),
-        variation: variation(rng),
-        mesh: rng.below(VARIANTS as u64) as u32,
-        path,
-    }
-}
-
 /// One to four shrubs crown a mound.
 fn on_mound(relief: &Relief, mound: &Mound, path: &SeedPath) -> Vec<Placed> {
     let path = path.child("mound");
@@ -64,7 +48,7 @@ fn on_mound(relief: &Relief, mound: &Mound, path: &SeedPath) -> Vec<Placed> {
             let height = (mound.height_m * rng.range(0.8, 1.5)).clamp(0.35, 1.5);
             let width = height * rng.range(1.0, 1.6);
             let name = format!("shrub/{}_{}/{k}", mound.cell.0, mound.cell.1);
-            planted(relief, p, width, height, &mut rng, name)
+            planted(relief, p, [width, height], VARIANTS, &mut rng, name)
         })
         .collect()
 }
@@ -88,7 +72,7 @@ fn tuft(relief: &Relief, path: &SeedPath, shrubs: f64, cell: Cell) -> Option<Pla
     let p = cell.point(rng.unit(), rng.unit());
     let height = rng.lognormal(0.38, 0.3).clamp(0.2, 0.9);
     let width = height * rng.range(1.1, 1.9);
-    Some(planted(relief, p, width, height, &mut rng, cell.name("tuft")))
+    Some(planted(relief, p, [width, height], VARIANTS, &mut rng, cell.name("tuft")))
 }
 
 /// Stones lie on bare flats.

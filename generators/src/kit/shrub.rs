@@ -1,7 +1,9 @@
 //! Dry-land shrubs: leaf clusters around a few stems.
 
-use glam::DVec3;
-use satseed_scene::{Mesh, Rng, SeedPath, quantise_point};
+use super::scatter::{Placed, lowest, variation};
+use super::terrain::tin::Ground;
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use satseed_scene::{Mesh, Rng, SeedPath, quantise_m, quantise_point};
 
 /// Slot of the leaves in a shrub's material set.
 pub const LEAF_SLOT: u16 = 0;
@@ -32,6 +34,30 @@ pub fn shrub(path: &SeedPath) -> Mesh {
         }
     }
     mesh
+}
+
+/// A shrub of a size, its stems in the ground. `variants` is how many meshes its kind has.
+pub fn planted(
+    ground: &impl Ground,
+    p: DVec2,
+    [width_m, height_m]: [f64; 2],
+    variants: usize,
+    rng: &mut Rng,
+    path: String,
+) -> Placed {
+    // On the lattice, so that a crop's plants stand where the whole's do.
+    let base = f64::from(quantise_m(lowest(ground, p, 0.2 * width_m))) - 0.03;
+    let lean = DVec3::new(rng.signed(), rng.signed(), 0.0) * 0.12;
+    let turn = DMat3::from_rotation_z(rng.range(0.0, core::f64::consts::TAU));
+    let tilt = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, (DVec3::Z + lean).normalize()));
+    let shape = DMat3::from_diagonal(DVec3::new(width_m, width_m * rng.range(0.75, 1.0), height_m));
+    Placed {
+        at_m: p,
+        world_from_object: DAffine3::from_mat3_translation(tilt * turn * shape, p.extend(base)),
+        variation: variation(rng),
+        mesh: rng.below(variants as u64) as u32,
+        path,
+    }
 }
 
 /// A leaf cluster: a bent quad on the lump's shell, turned roughly outward.
