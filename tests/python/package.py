@@ -154,8 +154,8 @@ def written():
         lines = subprocess.run(once, capture_output=True, text=True, check=True).stderr.splitlines()
         check(not any("numpy" in line for line in lines), "importing satseed imports NumPy")
         times_us.append(int(next(line for line in lines if line.split("|")[-1].strip() == "satseed").split("|")[1]))
-    # A busy machine and an unoptimised library of 100 MB must not fail it: what holds at rest is told.
-    check(min(times_us) < 60_000, f"importing takes {min(times_us)} us")
+    # A busy machine must not fail it: what holds at rest is told.
+    check(min(times_us) < 25_000, f"importing takes {min(times_us)} us")
     print(f"package.py: importing satseed takes {sorted(times_us)[3] / 1000:.1f} ms (median of 7, {min(times_us) / 1000:.1f} at least)")
     for address, array in satseed._native._hand_over(2048, 2048):
         check(array.shape[:2] == (2048, 2048) and array.ctypes.data == address, "an array was copied on its way")
@@ -229,6 +229,12 @@ def resident_mib():
     return pages * 4096 / 2**20
 
 
+def in_a_fresh_process(mode, *numbers):
+    """What the tests before have left in an allocator's pools would hide what is asked."""
+    command = [sys.executable, __file__, str(root), mode, *map(str, numbers)]
+    check(subprocess.run(command).returncode == 0, f"{mode} {numbers}")
+
+
 def flat_memory(crops, scenes):
     """Crops, scene after scene: what is held after a few is held after all."""
     try:
@@ -246,8 +252,7 @@ def flat_memory(crops, scenes):
     # Scenes differ in size: the largest of the last half against the largest of the first, of which the first warms up.
     before, after = max(held[: len(held) // 2]), max(held[len(held) // 2 :])
     print(f"package.py: {crops} crops of {scenes} scenes: {before:.0f} MiB held in the first half, {after:.0f} in the second")
-    # An allocator's pools differ by tens of megabytes from run to run: this finds scenes that are kept, the long run also crops.
-    check(after < 1.3 * before, f"memory grows: {before:.0f} MiB, then {after:.0f}")
+    check(after < before + 16, f"memory grows: {before:.0f} MiB, then {after:.0f}")
 
 
 def scenes():
@@ -319,10 +324,12 @@ def streams():
 def long():
     for region in satseed.REGIONS:
         crop_of(region, 300.0)
-    flat_memory(crops=1000, scenes=50)
+    in_a_fresh_process("memory", 1000, 50)
 
 
-if sys.argv[2:] == ["long"]:
+if sys.argv[2:3] == ["memory"]:
+    flat_memory(*map(int, sys.argv[3:]))
+elif sys.argv[2:] == ["long"]:
     long()
 else:
     if sys.argv[2:] != ["torch"]:
@@ -333,6 +340,6 @@ else:
         written()
         crops()
         viewed()
-        flat_memory(crops=60, scenes=12)
+        in_a_fresh_process("memory", 60, 12)
     streams()
 print(f"{checks} passed, 0 failed")
