@@ -13,8 +13,13 @@ dispatch! {
     fn trace<Q: Query>(trees: &Trees, query: &mut Q, stack: &mut Vec<Entry>) = whole
 }
 
+dispatch! {
+    /// Takes one ray through one placement.
+    fn through<Q: Query>(trees: &Trees, place: u32, sheared: &ShearedRay, query: &mut Q, stack: &mut Vec<Entry>) = through_instance
+}
+
 #[inline(always)]
-pub(crate) fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q, stack: &mut Vec<Entry>) {
+fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q, stack: &mut Vec<Entry>) {
     // One stack for both levels: the inner walk works above what the outer one left.
     let sheared = ShearedRay::new(query.origin(), query.direction());
     let (origin, direction) = (query.origin(), query.direction());
@@ -30,9 +35,8 @@ pub(crate) fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q, 
     }
 }
 
-/// Takes one ray through one placement.
 #[inline(always)]
-pub(crate) fn through_instance<L: Lanes, Q: Query>(
+fn through_instance<L: Lanes, Q: Query>(
     lanes: L,
     trees: &Trees,
     place: u32,

@@ -12,7 +12,7 @@ mod walk;
 
 use crate::query::Query;
 use crate::simd::{Lanes, dispatch};
-use crate::single::{self, through_instance};
+use crate::single;
 use crate::tree::Trees;
 use crate::triangle::{ShearedPacket, ShearedRay};
 use frame::Frame;
@@ -57,7 +57,7 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
             Err(Split::Packets) => parts.extend(queries.chunks_mut(LANES)),
             Err(Split::Rays) => {
                 for query in queries {
-                    single::whole(lanes, trees, query, &mut stacks.alone);
+                    single::trace(L::SET, trees, query, &mut stacks.alone);
                 }
             }
         }
@@ -80,19 +80,18 @@ fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queri
         for place in leaf.first..leaf.first + leaf.count {
             let placement = &trees.placements[place as usize];
             let mesh = &trees.meshes[placement.mesh as usize];
-            if placement.identity {
-                stacks.inner.push(Entry::ROOT);
-                while let Some((leaf, _)) = world.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
-                    let block = mesh.leaf(leaf.first);
-                    world.meet(lanes, trees, place, &block, leaf, &sheared, queries);
-                }
-                continue;
-            }
-            let Some(mut object) = world.seen_from(lanes, placement, &mesh.tree, packets) else {
+            // One copy of the loop for both, since it is compiled for each instruction set and each query.
+            let mut seen;
+            let frame = if placement.identity {
+                &mut world
+            } else if let Some(frame) = world.seen_from(lanes, placement, &mesh.tree, packets) {
+                seen = frame;
+                &mut seen
+            } else {
                 for (index, query) in queries.iter_mut().enumerate() {
                     let (packet, ray) = (index / LANES, index % LANES);
                     if packets >> packet & 1 == 1 {
-                        through_instance(lanes, trees, place, &sheared[packet].ray(ray), query, &mut stacks.alone);
+                        single::through(L::SET, trees, place, &sheared[packet].ray(ray), query, &mut stacks.alone);
                     }
                 }
                 world.refresh(queries, packets);
@@ -100,11 +99,12 @@ fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queri
             };
             let mut touched = 0;
             stacks.inner.push(Entry::ROOT);
-            while let Some((leaf, _)) = object.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
+            while let Some((leaf, _)) = frame.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
                 let block = mesh.leaf(leaf.first);
-                touched |= object.meet(lanes, trees, place, &block, leaf, &sheared, queries);
+                touched |= frame.meet(lanes, trees, place, &block, leaf, &sheared, queries);
             }
-            if touched != 0 {
+            // The world's own frame has taken its limits over already.
+            if !placement.identity && touched != 0 {
                 world.refresh(queries, touched);
             }
         }

@@ -70,6 +70,8 @@ pub(crate) trait Wide<const N: usize>: Copy {
 
 /// One processor's lanes.
 pub(crate) trait Lanes: Copy {
+    /// Who they belong to.
+    const SET: InstructionSet;
     type X8: Wide<8>;
     type X16: Wide<16>;
     type D16: Doubles;
@@ -173,6 +175,7 @@ macro_rules! wide {
 pub(crate) struct Portable;
 
 impl Lanes for Portable {
+    const SET: InstructionSet = InstructionSet::Portable;
     type X8 = Several<f32, 8>;
     type X16 = Several<f32, 16>;
     type D16 = PortableDoubles;
@@ -239,7 +242,7 @@ pub(crate) use x86::{Avx2, Avx512, Sse2};
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::doubles::{Avx2Doubles, Avx512Doubles, Sse2Doubles};
-    use super::{Lanes, Register, Several, Wide};
+    use super::{InstructionSet, Lanes, Register, Several, Wide};
     use core::arch::x86_64::{
         __m128, __m256, __m512, _CMP_LE_OQ, _mm_add_ps, _mm_andnot_ps, _mm_cmple_ps, _mm_cvtepi32_ps, _mm_div_ps,
         _mm_loadl_epi64, _mm_loadu_ps, _mm_loadu_si128, _mm_max_ps, _mm_min_ps, _mm_movemask_ps, _mm_mul_ps,
@@ -262,16 +265,19 @@ mod x86 {
     pub(crate) struct Avx512;
 
     impl Lanes for Sse2 {
+        const SET: InstructionSet = InstructionSet::Sse2;
         type X8 = Several<__m128, 2>;
         type X16 = Several<__m128, 4>;
         type D16 = Sse2Doubles;
     }
     impl Lanes for Avx2 {
+        const SET: InstructionSet = InstructionSet::Avx2;
         type X8 = Several<__m256, 1>;
         type X16 = Several<__m256, 2>;
         type D16 = Avx2Doubles;
     }
     impl Lanes for Avx512 {
+        const SET: InstructionSet = InstructionSet::Avx512;
         type X8 = Several<__m256, 1>;
         type X16 = Several<__m512, 1>;
         type D16 = Avx512Doubles;
