@@ -1,4 +1,5 @@
-//! The trees: one dart after another, the biggest first, over the same square for every scene.
+//! The trees: one dart after another, the biggest first, over the same square for every scene, of which a small scene works
+//! out no more than it needs.
 
 use super::land::Land;
 use super::stands::{Kind, Stands, sickness};
@@ -14,6 +15,12 @@ pub(super) const TREES_HALF_M: f64 = REACH_M;
 const CELL_M: f64 = 6.0;
 /// Widest crown radius, m: no two trees hinder each other from farther than twice as far.
 const WIDEST_M: f64 = 8.0;
+/// How much farther than needed candidates are drawn at first, m: what is not known beyond them reaches so far only
+/// through a chain of trees that each decide about the next.
+const MARGIN_M: f64 = 48.0;
+/// Share of the sum of two crowns' radii within which one keeps the other from growing; a low one under a high one a
+/// little less.
+const HINDERS: f64 = 0.57;
 /// Distance of the canopy raster's posts, m.
 const CANOPY_M: f64 = 2.0;
 
@@ -39,23 +46,25 @@ pub(super) struct Tree {
     pub(super) key: (i32, i32, i32),
 }
 
-/// All trees, and how closed their canopy is.
+/// The trees, and how closed their canopy is.
 pub(super) struct Growth {
     pub(super) trees: Vec<Tree>,
     canopy: Raster<f32>,
 }
 
 impl Growth {
-    pub(super) fn new(land: &Land, stands: &Stands, params: &Params, path: &SeedPath) -> Self {
-        let seed = path.hash_u32();
-        let half = libm::ceil(TREES_HALF_M / CELL_M) as i32;
-        let mut darts: Vec<Tree> = (-half..half)
-            .into_par_iter()
-            .flat_map_iter(|j| (-half..half).flat_map(move |i| candidates(land, stands, seed, (i, j))))
-            .collect();
-        // The biggest first; the key decides between equals.
-        darts.sort_by(|a, b| b.crown_m.total_cmp(&a.crown_m).then(a.key.cmp(&b.key)));
-        let trees = thrown(darts, stands, params.density);
+    /// The trees of the square that ends at `half_m` on all sides, and some beyond it; the same ones whatever its size.
+    pub(super) fn new(land: &Land, stands: &Stands, params: &Params, half_m: f64, path: &SeedPath) -> Self {
+        // Crowns from beyond reach in, and the canopy's posts are smoothed.
+        let needed_m = half_m + WIDEST_M + 2.0 * CANOPY_M;
+        let mut margin_m = MARGIN_M;
+        let trees = loop {
+            let darts = darts(land, stands, path.hash_u32(), needed_m + margin_m);
+            if let Some(trees) = thrown(&darts, stands, params.density, needed_m) {
+                break trees;
+            }
+            margin_m *= 2.0;
+        };
         let canopy = canopy(&trees);
         Self { trees, canopy }
     }
@@ -64,6 +73,25 @@ impl Growth {
     pub(super) fn light(&self, p: DVec2) -> f64 {
         1.0 - self.canopy.bilinear(p)
     }
+}
+
+/// Candidates of a square of cells, the biggest first.
+struct Darts {
+    darts: Vec<Tree>,
+    /// Half the square's side, m; none where there are no others beyond it.
+    half_m: Option<f64>,
+}
+
+fn darts(land: &Land, stands: &Stands, seed: u32, half_m: f64) -> Darts {
+    let all = libm::ceil(TREES_HALF_M / CELL_M) as i32;
+    let half = all.min(libm::ceil(half_m / CELL_M) as i32);
+    let mut darts: Vec<Tree> = (-half..half)
+        .into_par_iter()
+        .flat_map_iter(|j| (-half..half).flat_map(move |i| candidates(land, stands, seed, (i, j))))
+        .collect();
+    // The key decides between equals.
+    darts.sort_by(|a, b| b.crown_m.total_cmp(&a.crown_m).then(a.key.cmp(&b.key)));
+    Darts { darts, half_m: (half < all).then_some(f64::from(half) * CELL_M) }
 }
 
 /// Candidates of a cell.
@@ -158,40 +186,58 @@ fn spread_m(tree: &Tree) -> f64 {
     tree.crown_m * if tree.species.is_conifer() { 0.84 } else { 1.0 }
 }
 
+/// A dart that stays, as later ones see it.
+struct Stays {
+    at_m: DVec2,
+    spread_m: f64,
+    height_m: f64,
+    /// Whether it stays whatever lies beyond the candidates.
+    sure: bool,
+}
+
 /// Variable-radius dart throwing: a dart stays where no earlier one is too near. Crowns interlock, and a low tree may
-/// stand half under a high one.
-fn thrown(darts: Vec<Tree>, stands: &Stands, density: f64) -> Vec<Tree> {
+/// stand half under a high one. None where candidates that were not drawn may decide about a tree within `needed_m`.
+fn thrown(darts: &Darts, stands: &Stands, density: f64, needed_m: f64) -> Option<Vec<Tree>> {
     let side_m = 4.0;
-    let across = libm::ceil(2.0 * (TREES_HALF_M + CELL_M) / side_m) as usize;
-    let cell = |x: f64| (((x + TREES_HALF_M + CELL_M) / side_m).max(0.0) as usize).min(across - 1);
-    let mut grid: Vec<Vec<u32>> = vec![Vec::new(); across * across];
+    let reach_m = darts.half_m.unwrap_or(TREES_HALF_M) + CELL_M;
+    let across = libm::ceil(2.0 * reach_m / side_m) as usize;
+    let cell = |x: f64| (((x + reach_m) / side_m).max(0.0) as usize).min(across - 1);
+    let mut grid: Vec<Vec<Stays>> = (0..across * across).map(|_| Vec::new()).collect();
     let mut kept: Vec<Tree> = Vec::new();
     let closeness = 1.0 / density.sqrt();
-    let mut widest: f64 = 0.0;
-    for dart in darts {
-        // The first is the widest.
-        widest = widest.max(dart.crown_m);
+    let widest = darts.darts.first().map_or(0.0, |dart| dart.crown_m);
+    for dart in &darts.darts {
         let apart = stands.at(dart.at_m).apart * closeness;
-        let reach = 0.9 * apart * (dart.crown_m + widest);
+        let spread = spread_m(dart);
+        let reach = HINDERS * apart * (spread + widest);
         let (i0, i1) = (cell(dart.at_m.x - reach), cell(dart.at_m.x + reach));
         let (j0, j1) = (cell(dart.at_m.y - reach), cell(dart.at_m.y + reach));
+        let outside_m = dart.at_m.abs().max_element();
+        let mut sure = darts.half_m.is_none_or(|half| half - outside_m > HINDERS * apart * (spread + WIDEST_M));
         let hindered = (j0..=j1).any(|j| {
             (i0..=i1).any(|i| {
-                grid[j * across + i].iter().any(|k| {
-                    let other = &kept[*k as usize];
+                grid[j * across + i].iter().any(|other| {
                     let under = dart.height_m < 0.62 * other.height_m;
-                    let share = if under { 0.56 } else { 0.57 };
-                    let least = share * apart * (spread_m(&dart) + spread_m(other));
-                    other.at_m.distance_squared(dart.at_m) < least * least
+                    let share = if under { 0.56 } else { HINDERS };
+                    let least = share * apart * (spread + other.spread_m);
+                    let near = other.at_m.distance_squared(dart.at_m) < least * least;
+                    sure &= other.sure || !near;
+                    near && other.sure
                 })
             })
         });
-        if !hindered {
-            grid[cell(dart.at_m.y) * across + cell(dart.at_m.x)].push(kept.len() as u32);
-            kept.push(dart);
+        if hindered {
+            continue;
         }
+        if sure {
+            kept.push(*dart);
+        } else if outside_m < needed_m {
+            return None;
+        }
+        let stays = Stays { at_m: dart.at_m, spread_m: spread, height_m: dart.height_m, sure };
+        grid[cell(dart.at_m.y) * across + cell(dart.at_m.x)].push(stays);
     }
-    kept
+    Some(kept)
 }
 
 /// How much of the sky crowns cover, smoothed over a few metres.

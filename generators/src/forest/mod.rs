@@ -124,7 +124,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let scene_half_m = -layout.origin_m.x;
     let land = Land::new(params.relief_m, params.roughness, window_half_m, &path.child("land"));
     let stands = Stands::new(&land, params, &path.child("stands"));
-    let growth = Growth::new(&land, &stands, params, &path.child("trees"));
+    let growth = Growth::new(&land, &stands, params, scene_half_m, &path.child("trees"));
     let tiles = triangulate(&layout, &land, &[]);
     let cover = dress::cover(&land, &stands, &growth, scene_half_m, &path.child("cover"));
     let materials = dress::materials(params.texture_contrast, &path.child("materials"));

@@ -78,11 +78,11 @@ fn look_down(scene: &Scene, half_m: f64) -> Looks {
     }
 }
 
-fn grown(seed: u64, params: &Params) -> (Land, Stands, Growth) {
+fn grown(seed: u64, params: &Params, half_m: f64) -> (Land, Stands, Growth) {
     let path = root(seed).child(params.variant());
     let land = Land::new(params.relief_m, params.roughness, 64.0, &path.child("land"));
     let stands = Stands::new(&land, params, &path.child("stands"));
-    let growth = Growth::new(&land, &stands, params, &path.child("trees"));
+    let growth = Growth::new(&land, &stands, params, half_m, &path.child("trees"));
     (land, stands, growth)
 }
 
@@ -94,7 +94,7 @@ fn numbers() {
     for seed in 1..=4 {
         for variant in VARIANTS {
             let p = params(130.0, variant);
-            let (_, _, growth) = grown(seed, &p);
+            let (_, _, growth) = grown(seed, &p, REACH_M);
             let mut heights: Vec<f64> =
                 growth.trees.iter().filter(|t| t.at_m.length() < 700.0).map(|t| t.height_m).collect();
             heights.sort_by(f64::total_cmp);
@@ -132,7 +132,7 @@ fn the_number_of_threads_does_not_show() {
 
 #[test]
 fn what_stands_on_the_ground_reaches_below_it() {
-    let (land, ..) = grown(1, &params(60.0, Variant::Mixed));
+    let (land, ..) = grown(1, &params(60.0, Variant::Mixed), 60.0);
     assert_rooted(small(), 0.02, |p| land.height_m(p));
 }
 
@@ -249,7 +249,7 @@ fn density_adds_trees_and_conifers_their_share() {
     let of = |change: fn(&mut Params, f64), value: f64| {
         let mut p = params(60.0, Variant::Mixed);
         change(&mut p, value);
-        grown(2, &p).2.trees
+        grown(2, &p, 300.0).2.trees
     };
     assert_rises("trees", &[0.5, 1.0, 1.5].map(|v| of(|p, v| p.density = v, v).len() as f64));
     let conifers = [0.0, 1.0, 3.0].map(|v| {
@@ -260,9 +260,25 @@ fn density_adds_trees_and_conifers_their_share() {
     assert_rises("share of conifers", &conifers);
 }
 
+/// A small scene draws fewer candidates; what it has of the forest is what the largest scene has there.
+#[test]
+fn trees_are_the_same_however_many_are_grown() {
+    for (variant, sides_m) in [(Variant::Mixed, [40.0, 150.0]), (Variant::Logged, [60.0, 400.0])] {
+        let p = Params { density: 1.5, ..params(60.0, variant) };
+        let [few, many] = sides_m.map(|half_m| {
+            let (_, _, growth) = grown(4, &p, half_m);
+            let trees = growth.trees.iter().filter(|t| t.at_m.abs().max_element() < sides_m[0] + 8.0);
+            let light = (0..400).map(|k| DVec2::new(f64::from(k % 20) - 9.5, f64::from(k / 20) - 9.5) * 4.1);
+            (trees.map(|t| (t.key, t.health)).collect::<Vec<_>>(), light.map(|p| growth.light(p)).collect::<Vec<_>>())
+        });
+        assert!(few.0.len() > 60, "{} trees", few.0.len());
+        assert_eq!(few, many);
+    }
+}
+
 #[test]
 fn no_two_trees_share_a_place_and_ways_are_free() {
-    let (land, stands, growth) = grown(3, &params(60.0, Variant::Mixed));
+    let (land, stands, growth) = grown(3, &params(60.0, Variant::Mixed), REACH_M);
     let near: Vec<_> = growth.trees.iter().filter(|t| t.at_m.length() < 150.0).collect();
     assert!(near.len() > 1000, "{} trees", near.len());
     for (k, a) in near.iter().enumerate() {
