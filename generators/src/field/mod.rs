@@ -223,6 +223,9 @@ fn crops(scene: &mut Scene, relief: &Relief, look: &Look, path: &SeedPath) {
         .parcels
         .par_iter()
         .map(|p| {
+            if !relief.may_be_detailed(&p.world) {
+                return (Vec::new(), Vec::new());
+            }
             let rows = Stand::of(p).map_or_else(Vec::new, |stand| rows::place(relief, p, &stand, &path.child("rows")));
             (canopy::sheets(relief, p), rows)
         })

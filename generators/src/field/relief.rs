@@ -118,6 +118,14 @@ impl Relief {
         p.extend(quantise_m(self.height_m(p)).into())
     }
 
+    /// Whether any place within an outline, whose points lie a few metres apart, may lie on a tile of full detail.
+    pub(super) fn may_be_detailed(&self, outline: &[DVec2]) -> bool {
+        let nothing = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        let [low, high] = outline.iter().fold(nothing, |[low, high], p| [low.min(*p), high.max(*p)]);
+        let half = DVec2::splat(self.radius_m + self.tiling.layout.tile_m + 16.0);
+        low.cmple(half).all() && high.cmpge(-half).all()
+    }
+
     /// Whether a place lies on a tile of full detail.
     pub(super) fn is_detailed(&self, p: DVec2) -> bool {
         let side = self.tiling.layout.tile_m;
