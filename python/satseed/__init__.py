@@ -11,7 +11,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 
 from . import _native
 from ._native import DatasetError, GenerateError, RecipeError, __version__
@@ -19,12 +18,14 @@ from ._native import DatasetError, GenerateError, RecipeError, __version__
 # Importing takes under 5 ms: what only some functions or type checkers need is imported there.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from typing import Any, overload
 
     from numpy import bool_, float32, uint8
     from numpy.typing import NDArray
 else:
+    # As collections.abc has it; the interpreter itself has loaded this one, and all of collections takes 3 ms.
+    from _collections_abc import Sequence
 
     def overload(_: object) -> None:
         """Of typing, which is not worth its import."""
@@ -249,7 +250,7 @@ class Scene:
         raise TypeError("a scene cannot be pickled: send recipe, seed and index, and build it there")
 
 
-REGIONS = ("canyon", "toronto", "desert", "field", "forest")
+REGIONS = ("canyon", "toronto", "desert", "field", "forest", "coast")
 """The regions that stand so far."""
 
 
