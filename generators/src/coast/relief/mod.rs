@@ -1,0 +1,315 @@
+//! Heights: beach, dunes, cliffs, the bottom of the sea, and the water over it.
+
+mod beach;
+mod foam;
+mod rock;
+
+use super::chop::Chop;
+use super::shore::{Place, Shore};
+use super::swell::{Swell, Wave};
+use super::{Params, Variant, dress};
+use crate::kit::terrain::noise::fractal;
+use crate::kit::terrain::sampling::smoothstep;
+use crate::kit::terrain::tin::Ground;
+use glam::DVec2;
+use rayon::prelude::*;
+use satseed_scene::{Raster, SeedPath};
+
+/// Distance of the posts within the full detail, m.
+pub(super) const POST_M: f64 = 0.5;
+/// The most that anything reaches below the water's troughs, m.
+pub(super) const ROOT_M: f64 = 6.0;
+/// Higher ground than this is never under water, m.
+const DRY_M: f64 = 2.5;
+/// Depth of the sea off the shore, m.
+const DEEPEST_M: f64 = 14.0;
+/// How much breaking waves raise the water's mean level, m.
+const SETUP_M: f64 = 0.06;
+
+/// The numbers of one coast.
+struct Form {
+    /// Slope of the foreshore.
+    foreshore: f64,
+    /// Height of the berm, m.
+    berm_m: f64,
+    /// Dean's factor, m^(1/3).
+    dean: f64,
+    /// Distances of the bars from the shore, m, and their heights, m.
+    bars: [[f64; 2]; 2],
+    /// Where the dunes begin, m inland.
+    toe_m: f64,
+    /// Height of the dunes over the back of the beach, m.
+    dune_m: f64,
+    /// Where the track behind the shore runs, m inland.
+    track_m: f64,
+    /// Thickness of the rock's beds, m, and how they dip.
+    bed_m: f64,
+    dip: DVec2,
+    /// Significant height of the wind's waves, m.
+    chop_m: f64,
+    /// Mean square slope of waves too short for mesh and bump: most of the whole (Cox and Munk 1954).
+    slope_variance: f64,
+    /// Distance of paths to the beach, m.
+    paths_m: f64,
+}
+
+struct Seeds {
+    edge: u32,
+    dunes: u32,
+    hummocks: u32,
+    blowouts: u32,
+    bars: u32,
+    rips: u32,
+    hills: u32,
+    rolling: u32,
+    face: u32,
+    joints: u32,
+    reefs: u32,
+    platform: u32,
+    fine: u32,
+    cusps: u32,
+    track: u32,
+    paths: u32,
+    streaks: u32,
+    patches: u32,
+}
+
+/// The finished coast.
+pub(super) struct Relief {
+    pub(super) shore: Shore,
+    pub(super) swell: Swell,
+    pub(super) cliffs: bool,
+    chop: Chop,
+    form: Form,
+    seeds: Seeds,
+    stacks: SeedPath,
+    /// Seeds of what covers the ground, which materials and plants share.
+    pub(super) cover_seeds: [u32; dress::NOISES.len()],
+    land_height_m: f64,
+    roughness: f64,
+    swell_m: f64,
+    /// Heights within the full-detail tiles, [`POST_M`] apart.
+    window: Raster<f32>,
+}
+
+/// What stands at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surface {
+    pub(super) place: Place,
+    /// Height of the land or of the bottom, m.
+    pub(super) land_m: f64,
+    /// Height of the water, m; far down where there is none.
+    pub(super) water_m: f64,
+    /// The swell, where there is water.
+    pub(super) wave: Option<Wave>,
+}
+
+impl Relief {
+    /// `window_half_m` is half the side of the full-detail tiles.
+    pub(super) fn new(params: &Params, window_half_m: f64, path: &SeedPath) -> Self {
+        let cliffs = params.variant == Variant::Cliff;
+        let shore = Shore::new(params.variant, &path.child("shore"));
+        let seed = |name: &str| path.child(name).hash_u32();
+        let seeds = Seeds {
+            edge: seed("edge"),
+            dunes: seed("dunes"),
+            hummocks: seed("hummocks"),
+            blowouts: seed("blowouts"),
+            bars: seed("bars"),
+            rips: seed("rips"),
+            hills: seed("hills"),
+            rolling: seed("rolling"),
+            face: seed("face"),
+            joints: seed("joints"),
+            reefs: seed("reefs"),
+            platform: seed("platform"),
+            fine: seed("fine"),
+            cusps: seed("cusps"),
+            track: seed("track"),
+            paths: seed("paths"),
+            streaks: seed("streaks"),
+            patches: seed("patches"),
+        };
+        let mut rng = path.child("form").rng();
+        let (berm_m, foreshore) = (rng.range(1.7, 2.5), rng.range(0.065, 0.105));
+        let toe_m = berm_m / foreshore + rng.range(16.0, 38.0);
+        let (s, c) = libm::sincos(rng.range(0.0, core::f64::consts::TAU));
+        // The wind, m/s, and the young sea that it makes.
+        let wind_m_s = rng.range(4.0, 8.0);
+        let peak_m = 2.0 + 0.85 * wind_m_s;
+        let form = Form {
+            foreshore,
+            berm_m,
+            dean: rng.range(0.09, 0.14),
+            bars: [[rng.range(38.0, 62.0), rng.range(0.4, 0.8)], [rng.range(105.0, 150.0), rng.range(0.8, 1.4)]],
+            toe_m,
+            dune_m: (0.25 * params.relief_m).clamp(1.5, 9.0),
+            track_m: toe_m + rng.range(110.0, 170.0),
+            bed_m: rng.range(1.8, 3.6),
+            dip: DVec2::new(c, s) * rng.range(0.02, 0.16),
+            chop_m: 0.042 * wind_m_s,
+            slope_variance: 0.7 * (0.003 + 0.00512 * wind_m_s),
+            paths_m: rng.range(120.0, 210.0),
+        };
+        let turned = |d: DVec2, by: f64| {
+            let (s, c) = libm::sincos(by);
+            d.rotate(DVec2::new(c, s))
+        };
+        let towards = turned(-shore.out, rng.signed() * 0.42);
+        let wind = turned(towards, rng.signed() * 0.8);
+        let chop = Chop::new(wind, peak_m, &path.child("chop"));
+        let empty = |n| Raster::filled(DVec2::splat(-window_half_m), POST_M, n, n, 0.0_f32);
+        let mut relief = Self {
+            swell: Swell::new(
+                towards,
+                params.swell_m,
+                |p| -offing_m(&form, cliffs, &shore.at(p)),
+                &path.child("swell"),
+            ),
+            shore,
+            cliffs,
+            chop,
+            form,
+            seeds,
+            stacks: path.child("stacks"),
+            cover_seeds: dress::NOISES.map(|name| path.child("cover").child(name).hash_u32()),
+            land_height_m: params.relief_m,
+            roughness: params.roughness,
+            swell_m: params.swell_m,
+            window: empty(1),
+        };
+        let n = libm::round(2.0 * window_half_m / POST_M) as usize + 1;
+        let shape = Raster::filled(DVec2::splat(-window_half_m), POST_M, n, n, ());
+        let rows: Vec<Vec<f32>> = (0..n)
+            .into_par_iter()
+            .map(|j| (0..n).map(|i| relief.exact_m(shape.position(i, j)) as f32).collect())
+            .collect();
+        relief.window = Raster { data: rows.concat(), ..empty(n) };
+        relief
+    }
+
+    /// Land and water at a place.
+    pub(super) fn surface(&self, p: DVec2) -> Surface {
+        let place = self.shore.at(p);
+        let land_m = self.land_m(p, &place);
+        let (water_m, wave) = self.water(p, land_m);
+        Surface { place, land_m, water_m, wave }
+    }
+
+    fn exact_m(&self, p: DVec2) -> f64 {
+        let s = self.surface(p);
+        s.land_m.max(s.water_m)
+    }
+
+    fn water(&self, p: DVec2, land_m: f64) -> (f64, Option<Wave>) {
+        if land_m > DRY_M {
+            return (-1e3, None);
+        }
+        let depth = -land_m;
+        let wave = self.swell.at(p, depth);
+        let chop = self.form.chop_m * self.roughness * smoothstep(-0.1, 1.6, depth);
+        // Broken water is rough at all lengths.
+        let torn = 0.10
+            * self.roughness
+            * wave.broken
+            * smoothstep(0.1, 0.6, depth)
+            * fractal(p, self.seeds.fine ^ 7, 2.6, 3, 0.6);
+        let chop = if chop > 0.0 { chop * self.chop.at(p) } else { 0.0 };
+        (SETUP_M + wave.rise_m + chop + torn, Some(wave))
+    }
+
+    /// Height of the land, m, or of the bottom below the water.
+    fn land_m(&self, p: DVec2, place: &Place) -> f64 {
+        if self.cliffs { self.rocky_m(p, place) } else { self.sandy_m(p, place) }
+    }
+
+    /// The track behind the shore: its two ruts or its whole width, 0 to 1.
+    pub(super) fn track(&self, p: DVec2, place: &Place) -> (f64, f64) {
+        let wander = 16.0 * fractal(p, self.seeds.track, 260.0, 2, 0.5);
+        let at_m = if self.cliffs { 46.0 + 1.1 * self.land_height_m } else { self.form.track_m };
+        let off = (place.inland_m - at_m - wander).abs();
+        let ruts = smoothstep(0.55, 0.25, (off - 0.85).abs());
+        (ruts, smoothstep(2.3, 1.4, off))
+    }
+
+    /// Eastward and northward slope of the land or of the water at a place.
+    pub(super) fn slope(&self, p: DVec2, water: bool) -> DVec2 {
+        let e = 0.3;
+        let z = |x: f64, y: f64| {
+            let s = self.surface(p + DVec2::new(x, y));
+            if water && s.wave.is_some() { s.water_m } else { s.land_m }
+        };
+        DVec2::new(z(e, 0.0) - z(-e, 0.0), z(0.0, e) - z(0.0, -e)) / (2.0 * e)
+    }
+
+    /// How much marram covers a place, 0 to 1.
+    pub(super) fn marram(&self, p: DVec2, s: &Surface) -> f64 {
+        dress::plants(self, p, s, &self.cover_seeds)[0]
+    }
+
+    /// The shore on a line square to the coast, from the sea inland; none where there is only one of both.
+    pub(super) fn shore_on(&self, line: DVec2) -> Option<DVec2> {
+        let at = |k: i32| line + self.shore.out * (600.0 - 2.0 * f64::from(k));
+        (0..600).map(at).find(|p| self.shore.at(*p).inland_m >= 0.0)
+    }
+
+    /// Mean square slope of waves too short for mesh and bump.
+    pub(super) fn slope_variance(&self) -> f64 {
+        self.form.slope_variance * self.roughness.max(0.2)
+    }
+
+    /// Whether a place lies within the full-detail tiles.
+    pub(super) fn is_detailed(&self, p: DVec2) -> bool {
+        let half_m = -self.window.origin_m.x;
+        p.abs().max_element() <= half_m
+    }
+
+    /// The posts of the full-detail tiles.
+    #[cfg(test)]
+    pub(super) fn window(&self) -> &Raster<f32> {
+        &self.window
+    }
+}
+
+/// The smooth bottom before the shore and a plane behind it, m: what steers the swell.
+fn offing_m(f: &Form, cliffs: bool, place: &Place) -> f64 {
+    let d = place.inland_m;
+    if d >= 0.0 {
+        return (0.08 * d).min(2.0);
+    }
+    let y = -d;
+    let sand = {
+        // Dean (1991), begun where its slope is the foreshore's.
+        let begin = 2.0 * f.dean / (3.0 * f.foreshore);
+        let begin = begin * begin * begin;
+        let root = |x: f64| {
+            let c = libm::cbrt(x);
+            c * c
+        };
+        f.dean * (root(y + begin) - root(begin)) + 0.008 * y
+    };
+    let depth = if cliffs {
+        let rock = 1.2 + 0.055 * y;
+        rock + (sand - rock) * smoothstep(0.15, 0.85, place.sandy) * smoothstep(160.0, 60.0, y)
+    } else {
+        sand
+    };
+    -soft_min(depth, DEEPEST_M, 1.0)
+}
+
+/// The smaller of two, rounded where they are within about `k`.
+fn soft_min(a: f64, b: f64, k: f64) -> f64 {
+    let h = (k - (a - b).abs()).max(0.0) / k;
+    a.min(b) - h * h * k * 0.25
+}
+
+impl Ground for Relief {
+    fn height_m(&self, p: DVec2) -> f64 {
+        let g = self.window.grid_from_world(p);
+        let last = (self.window.width - 1) as f64;
+        if g.x >= 0.0 && g.y >= 0.0 && g.x <= last && g.y <= last {
+            return self.window.bilinear(p);
+        }
+        self.exact_m(p)
+    }
+}
