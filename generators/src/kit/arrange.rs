@@ -108,9 +108,7 @@ fn meet(a: &Edge, b: &Edge, splits: &mut Vec<Split>) {
         return;
     }
     let share = s0 as f64 / (s0 - s1) as f64;
-    let at = |axis: usize| {
-        libm::floor(a.from[axis] as f64 + (a.to[axis] - a.from[axis]) as f64 * share + 0.5) as i64
-    };
+    let at = |axis: usize| libm::floor(a.from[axis] as f64 + (a.to[axis] - a.from[axis]) as f64 * share + 0.5) as i64;
     let p = [at(0), at(1)];
     for e in [a, b] {
         if p != e.from && p != e.to {
@@ -160,7 +158,11 @@ mod tests {
             .map(|_| {
                 let (s, c) = libm::sincos(rng.range(0.0, 6.3));
                 let centre = DVec2::new(rng.signed(), rng.signed()) * 40.0;
-                polygon::oriented_rectangle(centre, DVec2::new(c, s), DVec2::new(rng.range(1.0, 30.0), rng.range(0.1, 3.0)))
+                polygon::oriented_rectangle(
+                    centre,
+                    DVec2::new(c, s),
+                    DVec2::new(rng.range(1.0, 30.0), rng.range(0.1, 3.0)),
+                )
             })
             .collect();
         let out = arranged(&strips);

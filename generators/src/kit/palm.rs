@@ -107,7 +107,10 @@ mod tests {
                 let m = palm(kind, &SeedPath::root("palm", k as u64).index(n));
                 assert_eq!((m.validate(), open_edges(&m)), (Ok(()), 0), "{k}");
                 let (low, high) = m.bounds_m().unwrap();
-                assert!(low.z <= -0.5 && high.z > kind.stem_m[0] && high.x - low.x < 2.6 * kind.frond_m, "{low} {high}");
+                assert!(
+                    low.z <= -0.5 && high.z > kind.stem_m[0] && high.x - low.x < 2.6 * kind.frond_m,
+                    "{low} {high}"
+                );
                 assert!((400..2600).contains(&m.triangles.len()), "{}", m.triangles.len());
             }
         }

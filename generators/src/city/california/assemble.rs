@@ -1,12 +1,13 @@
 //! From the plan to a scene.
 
+use super::freeway::{self, Interchange};
 use super::house::add_extras;
 use super::land::Land;
 use super::layout::{self, Grid};
 use super::lot::{self, Building, Content, Plant};
 use super::materials::Materials;
 use super::paving::{self, KERB_M, Layer};
-use super::{DETAIL_MARGIN_M, Params, RING_M, ground_slot, slabs, streets};
+use super::{DETAIL_MARGIN_M, Params, RING_M, Variant, ground_slot, slabs, streets};
 use crate::kit::buildings::{self, Detail};
 use crate::kit::ground::{Ground, Patch};
 use crate::kit::mesh_builder::{MeshBuilder, Wall};
@@ -20,8 +21,9 @@ use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath};
 pub(super) struct CityPlan {
     pub(super) land: Land,
     pub(super) parts: Vec<(String, Content)>,
-    /// Lots that a house may stand on, by name.
+    /// Number of lots.
     pub(super) lots: usize,
+    pub(super) interchange: Interchange,
 }
 
 /// Individuals of each kind of plant.
@@ -29,7 +31,10 @@ const INDIVIDUALS: u64 = 8;
 
 pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     let land = Land::new(city);
-    let grid = Grid::new(city);
+    let freeways = params.variant == Variant::Interchange;
+    let grid = Grid::new(city, freeways);
+    let interchange = if freeways { freeway::plan(params, &grid, &land, city) } else { Interchange::default() };
+    let roofed = Roofed::of(&interchange);
     let reach = params.radius_m + RING_M;
     let detail = params.radius_m + DETAIL_MARGIN_M;
     let modules = layout::modules(&grid, &land, city, reach + 40.0);
@@ -40,7 +45,9 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
         let near = module_distance(module) < detail + 40.0;
         parts.push((format!("{}/streets", module.name), streets::local(module, params, near)));
         for slab in &module.slabs {
-            parts.push((slab.name.clone(), slabs::plan(params, slab, &height)));
+            let mut content = slabs::plan(params, slab, &height);
+            content.plants.retain(|p| !roofed.near(p.at));
+            parts.push((slab.name.clone(), content));
         }
         let wanted: Vec<&layout::Lot> =
             module.lots.iter().filter(|l| polygon::centroid(&l.outline).length() < reach).collect();
@@ -63,7 +70,46 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
             parts.push((name, content));
         }
     }
-    CityPlan { land, parts, lots }
+    let plants = interchange.plants.iter().filter(|p| !roofed.near(p.at)).copied().collect();
+    parts.push(("interchange".to_owned(), Content { plants, ..Content::default() }));
+    CityPlan { land, parts, lots, interchange }
+}
+
+/// Where the decks of an interchange are, for what must keep clear of their embankments.
+struct Roofed {
+    stretches: Vec<(Vec<DVec2>, (DVec2, DVec2))>,
+}
+
+impl Roofed {
+    /// What stands nearer to a deck than this may stand in its embankment, m.
+    const CLEAR_M: f64 = 15.0;
+
+    fn of(interchange: &Interchange) -> Self {
+        // In stretches, so that few need a close look.
+        let stretches = interchange
+            .decks
+            .iter()
+            .flat_map(|deck| {
+                let n = deck.len() / 2;
+                (0..n - 1).step_by(8).map(move |k| {
+                    let end = (k + 8).min(n - 1);
+                    let mut piece: Vec<DVec2> = deck[k..=end].to_vec();
+                    piece.extend((k..=end).rev().map(|i| deck[2 * n - 1 - i]));
+                    let bounds = polygon::bounds(&piece);
+                    (piece, bounds)
+                })
+            })
+            .collect();
+        Self { stretches }
+    }
+
+    fn near(&self, p: DVec2) -> bool {
+        self.stretches.iter().any(|(piece, (low, high))| {
+            p.cmpge(*low - Self::CLEAR_M).all()
+                && p.cmple(*high + Self::CLEAR_M).all()
+                && (polygon::contains(piece, p) || polygon::border_distance(piece, p) < Self::CLEAR_M)
+        })
+    }
 }
 
 /// Distance of a module's nearest corner or edge from the pivot, m, about.
@@ -122,6 +168,7 @@ pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Sce
     let object = a.object("ground".to_owned(), Class::Ground);
     a.instance(terrain, DAffine3::IDENTITY, object, 0, &city.child("ground"));
     buildings_of(&mut a, plan);
+    interchange(&mut a, plan);
     fences(&mut a, plan);
     vegetation(&mut a, plan);
     vehicles(&mut a, plan);
@@ -162,6 +209,34 @@ fn buildings_of(a: &mut Assembly<'_>, plan: &CityPlan) {
     }
 }
 
+fn interchange(a: &mut Assembly<'_>, plan: &CityPlan) {
+    if plan.interchange.pieces.is_empty() {
+        return;
+    }
+    let set = a.materials.freeway_set();
+    for (name, mesh) in &plan.interchange.pieces {
+        let key = a.city.child(name);
+        let mesh = a.mesh(mesh.clone());
+        let object = a.object(name.clone(), Class::Bridge);
+        a.instance(mesh, DAffine3::IDENTITY, object, set, &key);
+    }
+    let bodies: Vec<Mesh> = Body::ALL.iter().map(|b| b.mesh()).collect();
+    let meshes: Vec<u32> = bodies.into_iter().map(|m| a.mesh(m)).collect();
+    for (k, v) in plan.interchange.vehicles.iter().enumerate() {
+        if !a.near(v.at.truncate()) {
+            continue;
+        }
+        let name = format!("interchange/vehicle/{k}");
+        let key = a.city.child(&name);
+        let set = a.materials.vehicle_set(v.body, &mut key.rng());
+        let across = DVec3::Z.cross(v.axis).normalize();
+        let columns = DMat3::from_cols(v.axis, across, v.axis.cross(across));
+        let index = Body::ALL.iter().position(|b| *b == v.body).unwrap_or(0);
+        let object = a.object(name, Class::Vehicle);
+        a.instance(meshes[index], DAffine3::from_mat3_translation(columns, v.at), object, set, &key);
+    }
+}
+
 /// The fences of each lot are one thing.
 fn fences(a: &mut Assembly<'_>, plan: &CityPlan) {
     for (name, content) in &plan.parts {
@@ -183,7 +258,14 @@ fn fences(a: &mut Assembly<'_>, plan: &CityPlan) {
                 let centre = (p + q) * 0.5 - origin.truncate();
                 let half = DVec2::new(p.distance(q) / 2.0, half);
                 let outline = polygon::oriented_rectangle(centre, along, half);
-                b.prism(u16::from(f.block), u16::from(f.block), &outline, ground - 0.5, ground + f.height_m, Wall::PLAIN);
+                b.prism(
+                    u16::from(f.block),
+                    u16::from(f.block),
+                    &outline,
+                    ground - 0.5,
+                    ground + f.height_m,
+                    Wall::PLAIN,
+                );
                 if f.block {
                     let cap = polygon::mitred(&outline, -0.03);
                     b.prism(1, 1, &cap, ground + f.height_m - 0.02, ground + f.height_m + 0.07, Wall::PLAIN);

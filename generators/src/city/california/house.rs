@@ -100,12 +100,12 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     let hip = rng.chance(0.55);
     let mut style = Style { slope: rng.range(0.33, 0.47), eaves_m: rng.range(0.35, 0.6), hip };
     let flip = rng.chance(0.5);
-    let width = width.min(rng.range(14.5, 18.5));
+    let width = width.min(rng.range(15.0, 19.0));
     let slack = room.x[1] - room.x[0] - width;
     let shift = slack * rng.range(0.2, 0.8);
     let (x0, x1) = (room.x[0] + shift, room.x[0] + shift + width);
     let front = room.y[0];
-    let main_depth = if two { rng.range(9.0, 11.6) } else { rng.range(9.6, 12.6) }.min(depth - 1.5);
+    let main_depth = if two { rng.range(9.6, 12.2) } else { rng.range(10.6, 13.6) }.min(depth - 1.5);
     let forward = if rng.chance(0.75) { rng.range(2.2, 6.0) } else { 0.0 }.min(depth - main_depth);
     let (m0, m1) = (front + forward, front + forward + main_depth);
     // One storey is 4.5 to 5.5 m high at its ridge, two are 7 to 8.5 m.
@@ -167,15 +167,19 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     // Rooms towards the garden.
     let mut rear = m1;
     let left_over = room.y[1] - m1;
-    let wings = if left_over > 2.6 { rng.weighted(&[0.14, 0.66, 0.2]) } else { 0 };
+    let wings = if left_over > 2.6 { rng.weighted(&[0.07, 0.63, 0.3]) } else { 0 };
     let first_left = rng.chance(0.5);
     for k in 0..wings {
         let at_left = (k == 0) == first_left;
-        let w = if wings == 2 { rng.range(0.3, 0.4) } else { rng.range(0.4, 0.62) } * width;
-        let w = w.clamp(3.8, 8.5);
-        let out = rng.range(2.6, 6.5).min(left_over);
+        let w = if wings == 2 { rng.range(0.3, 0.4) } else { rng.range(0.45, 0.66) } * width;
+        let w = w.clamp(3.8, 9.5);
+        let out = rng.range(3.2, 7.5).min(left_over);
         let (a, b) = if at_left { (x0, x0 + w) } else { (x1 - w, x1) };
-        let start = if two { m1 - 1.6 } else { middle.min(m1 - 1.2 - 0.0) - if style.hip { w / 2.0 + style.eaves_m } else { 0.0 } };
+        let start = if two {
+            m1 - 1.6
+        } else {
+            middle.min(m1 - 1.2 - 0.0) - if style.hip { w / 2.0 + style.eaves_m } else { 0.0 }
+        };
         let start = start.max(m0 + 1.2);
         let hip = same(rng);
         masses.push(wing([a, b, start, m1 + out], low_wall - 0.04 - 0.03 * k as f64, false, hip, &style));
@@ -311,9 +315,7 @@ fn solar_slab(b: &mut MeshBuilder, corner: DVec2, along: DVec2, up: DVec2, heigh
     let tilt = (1.0 + slope * slope).sqrt();
     let (length, rise) = (f64::from(count[0]) * 1.02, f64::from(count[1]) * 1.68);
     let run = rise / tilt;
-    let p = |u: f64, v: f64, lift: f64| -> DVec3 {
-        (corner + along * u + up * v).extend(height_m + v * slope + lift)
-    };
+    let p = |u: f64, v: f64, lift: f64| -> DVec3 { (corner + along * u + up * v).extend(height_m + v * slope + lift) };
     let (low, high) = (-0.05, 0.14);
     let ring = |lift: f64| [p(0.0, 0.0, lift), p(length, 0.0, lift), p(length, run, lift), p(0.0, run, lift)];
     let (bottom, top) = (ring(low), ring(high));

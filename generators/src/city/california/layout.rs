@@ -15,6 +15,8 @@ pub(super) enum Line {
     Arterial,
     /// Two lanes, a turning lane and bicycle lanes.
     Collector,
+    /// A freeway on its embankment; nothing opens into it, and what crosses it passes below.
+    Freeway,
 }
 
 impl Line {
@@ -23,6 +25,7 @@ impl Line {
         match self {
             Self::Arterial => 12.6,
             Self::Collector => 7.0,
+            Self::Freeway => 0.0,
         }
     }
 
@@ -31,6 +34,7 @@ impl Line {
         match self {
             Self::Arterial => 17.0,
             Self::Collector => 11.0,
+            Self::Freeway => 52.0,
         }
     }
 }
@@ -50,28 +54,40 @@ pub(super) struct Grid {
     pitch_m: [f64; 2],
     offset_m: [f64; 2],
     path: SeedPath,
+    /// The arterials of number 0 are freeways.
+    freeways: bool,
 }
 
 impl Grid {
-    pub(super) fn new(city: &SeedPath) -> Self {
+    pub(super) fn new(city: &SeedPath, freeways: bool) -> Self {
         let path = city.child("grid");
         let mut rng = path.rng();
         let pitch_m = [rng.range(770.0, 830.0), rng.range(770.0, 830.0)];
-        let offset_m = pitch_m.map(|p| -p * rng.range(0.12, 0.88));
-        Self { pitch_m, offset_m, path }
+        // Freeways cross near the pivot, arterials rather not.
+        let offset_m = pitch_m.map(|p| if freeways { 45.0 * rng.signed() } else { -p * rng.range(0.12, 0.88) });
+        Self { pitch_m, offset_m, path, freeways }
     }
 
     /// Kind of a line: even ones are arterials.
-    pub(super) fn kind(k: i64) -> Line {
-        if k.rem_euclid(2) == 0 { Line::Arterial } else { Line::Collector }
+    pub(super) fn kind(&self, k: i64) -> Line {
+        match k {
+            0 if self.freeways => Line::Freeway,
+            _ if k.rem_euclid(2) == 0 => Line::Arterial,
+            _ => Line::Collector,
+        }
+    }
+
+    /// Whether two freeways cross here.
+    pub(super) fn has_freeways(&self) -> bool {
+        self.freeways
     }
 
     /// Where a line crosses an axis of the sheet, m.
     pub(super) fn position(&self, axis: usize, k: i64) -> f64 {
         let cell = k.div_euclid(2);
         let start = self.offset_m[axis] + cell as f64 * self.pitch_m[axis];
-        match Self::kind(k) {
-            Line::Arterial => start,
+        match self.kind(k) {
+            Line::Arterial | Line::Freeway => start,
             Line::Collector => {
                 let mut rng = self.path.child("collector").index(axis as u64).index(cell as u64).rng();
                 start + self.pitch_m[axis] * rng.range(0.44, 0.56)
@@ -111,6 +127,9 @@ pub(super) fn pieces(grid: &Grid, reach_m: f64) -> Vec<Piece> {
     for axis in 0..2_usize {
         let other = 1 - axis;
         for k in grid.numbers(axis, reach_m) {
+            if grid.kind(k) == Line::Freeway {
+                continue;
+            }
             let across = grid.position(axis, k);
             let numbers = grid.numbers(other, reach_m);
             for j in *numbers.start()..*numbers.end() {
@@ -122,9 +141,9 @@ pub(super) fn pieces(grid: &Grid, reach_m: f64) -> Vec<Piece> {
                 };
                 out.push(Piece {
                     index: [axis as i64, k, j],
-                    kind: Grid::kind(k),
+                    kind: grid.kind(k),
                     ends: [point(grid.position(other, j)), point(grid.position(other, j + 1))],
-                    meets: [Grid::kind(j), Grid::kind(j + 1)],
+                    meets: [grid.kind(j), grid.kind(j + 1)],
                 });
             }
         }
@@ -139,6 +158,8 @@ pub(super) enum Border {
     Street(Line),
     /// Other land of the same module.
     Land,
+    /// The foot of a freeway.
+    Freeway,
 }
 
 /// Uses of a slab of land that is not lots.
@@ -150,6 +171,8 @@ pub(super) enum SlabUse {
     School,
     /// Park.
     Park,
+    /// Land below the ramps of an interchange, and what is built beside it.
+    Junction,
 }
 
 /// A rectangle of land in one use.
@@ -162,6 +185,8 @@ pub(super) struct Slab<'a> {
     pub(super) sheet: Sheet<'a>,
     /// The street's side lies at the far end of the second axis.
     pub(super) street_far: bool,
+    /// The end of the first axis that is nearer to the interchange is the far one.
+    pub(super) junction_far: bool,
 }
 
 /// A lot.
@@ -224,12 +249,12 @@ pub(super) fn modules<'a>(grid: &Grid, land: &'a Land, city: &SeedPath, reach_m:
     let (xs, ys) = (grid.numbers(0, reach_m), grid.numbers(1, reach_m));
     for j in *ys.start()..*ys.end() {
         for i in *xs.start()..*xs.end() {
-            let edge = |axis: usize, k: i64, side: f64| grid.position(axis, k) + side * Grid::kind(k).half_row_m();
+            let edge = |axis: usize, k: i64, side: f64| grid.position(axis, k) + side * grid.kind(k).half_row_m();
             let low = DVec2::new(edge(0, i, 1.0), edge(1, j, 1.0));
             let high = DVec2::new(edge(0, i + 1, -1.0), edge(1, j + 1, -1.0));
             let nearest = DVec2::ZERO.clamp(low, high);
             if nearest.length() <= reach_m {
-                out.push(module::lay_out([i, j], low, high, land, city));
+                out.push(module::lay_out([i, j], low, high, grid, land, city));
             }
         }
     }

@@ -164,7 +164,8 @@ pub(super) fn plan(params: &Params, lot: &Lot, height_m: &dyn Fn(DVec2) -> f64) 
     cars(&frame, &local, &h, lot, params, &mut out);
     let ridge_m = h.ridge_m;
     let plan = house::grounded(frame.centre, frame.axis, h.masses, h.items, &mut h.extras, height_m);
-    out.buildings.insert(0, (format!("{}/house", lot.name), Building { kind: Kind::House, plan, extras: h.extras, ridge_m }));
+    out.buildings
+        .insert(0, (format!("{}/house", lot.name), Building { kind: Kind::House, plan, extras: h.extras, ridge_m }));
     for (k, (outline, wall_m)) in sheds(&local, h.rear_m, &mut lot.key.child("shed").rng()).into_iter().enumerate() {
         let roof = Roof::Gable { along_first: k % 2 == 0, rise_m: 0.55, eaves_m: 0.12, hip: 0.0 };
         let clear = |p: &Planted| !polygon::contains(&polygon::mitred(&outline, -1.0), frame.local(p.at));
@@ -199,7 +200,7 @@ impl Looks {
 /// Where a house may stand, and the depth of the lot behind it.
 fn room(local: &[DVec2], bulge_m: f64, rng: &mut Rng) -> Option<(Room, f64)> {
     let deepest = local.iter().map(|p| p.y).fold(0.0, f64::max);
-    let mut front = bulge_m * 0.9 + if bulge_m > 0.0 { rng.range(4.0, 5.0) } else { rng.range(5.0, 6.8) };
+    let mut front = bulge_m * 0.9 + if bulge_m > 0.0 { rng.range(4.0, 5.0) } else { rng.range(4.8, 6.3) };
     for _ in 0..5 {
         let rear = deepest - rng.range(4.6, 7.0);
         let ys = [front, f64::midpoint(front, (front + 13.0).min(rear)), (front + 13.0).min(rear)];
@@ -226,7 +227,15 @@ fn rect(x0: f64, x1: f64, y0: f64, y1: f64) -> Vec<DVec2> {
 /// From the kerb to the property line, m.
 const MARGIN_M: f64 = LOCAL_ROW_M - LOCAL_ROADWAY_M;
 
-fn front_yard(frame: &Frame, local: &[DVec2], h: &house::House, looks: &Looks, lot: &Lot, params: &Params, out: &mut Content) {
+fn front_yard(
+    frame: &Frame,
+    local: &[DVec2],
+    h: &house::House,
+    looks: &Looks,
+    lot: &Lot,
+    params: &Params,
+    out: &mut Content,
+) {
     let mut rng = lot.key.child("front").rng();
     let line = f64::midpoint(h.garage[2], h.door.y) + 3.0;
     let inner = polygon::inset(local, 0.1).unwrap_or_else(|| local.to_vec());
@@ -251,7 +260,11 @@ fn front_yard(frame: &Frame, local: &[DVec2], h: &house::House, looks: &Looks, l
     out.patches.push(frame.patch(Layer::Drive, &rect(w0, w1, h.door.y - walk, h.door.y + 0.5), looks.drive));
     if rng.chance(0.25) {
         let x = h.door.x;
-        out.patches.push(frame.patch(Layer::Drive, &rect(x - 0.55, x + 0.55, kerb + 1.6, h.door.y - walk + 0.1), looks.drive));
+        out.patches.push(frame.patch(
+            Layer::Drive,
+            &rect(x - 0.55, x + 0.55, kerb + 1.6, h.door.y - walk + 0.1),
+            looks.drive,
+        ));
     }
     // A planted bed along the front.
     if rng.chance(0.6) {
@@ -270,9 +283,10 @@ fn front_yard(frame: &Frame, local: &[DVec2], h: &house::House, looks: &Looks, l
             }
         }
     }
-    if rng.chance(0.45 * params.trees.min(1.6)) {
+    if rng.chance(0.58 * params.trees.min(1.6)) {
         // A street tree between kerb and walk.
-        let free = if f64::midpoint(d0, d1) < 0.0 { [d1 + 1.5, -local[0].x - 1.0] } else { [local[0].x + 1.0, d0 - 1.5] };
+        let free =
+            if f64::midpoint(d0, d1) < 0.0 { [d1 + 1.5, -local[0].x - 1.0] } else { [local[0].x + 1.0, d0 - 1.5] };
         if free[1] > free[0] && lot.bulge_m == 0.0 {
             let at = frame.world(DVec2::new(rng.range(free[0], free[1]), -MARGIN_M + 1.1));
             let plant = if rng.chance(0.16) { Plant::Palm } else { Plant::Broad };
@@ -298,7 +312,11 @@ fn rear_yard(frame: &Frame, local: &[DVec2], h: &house::House, looks: &Looks, de
     }
     // A side yard paved or gravelled.
     if rng.chance(0.5) {
-        let strip = if rng.chance(0.5) { rect(x0 - 1.3, x0 + 0.3, h.door.y + 3.4, main_rear) } else { rect(x1 - 0.3, x1 + 1.3, h.door.y + 3.4, main_rear) };
+        let strip = if rng.chance(0.5) {
+            rect(x0 - 1.3, x0 + 0.3, h.door.y + 3.4, main_rear)
+        } else {
+            rect(x1 - 0.3, x1 + 1.3, h.door.y + 3.4, main_rear)
+        };
         if inside(&strip, 0.12) {
             let slot = *rng.pick(&slot::DRIVE);
             out.patches.push(frame.patch(Layer::Drive, &strip, slot));
@@ -426,7 +444,15 @@ fn fences(frame: &Frame, local: &[DVec2], h: &house::House, lot: &Lot, out: &mut
 }
 
 /// Trees and shrubs of the yards, clear of the house and the water.
-fn gardens(frame: &Frame, inner: &[DVec2], h: &house::House, footprints: &[Vec<DVec2>], lot: &Lot, params: &Params, out: &mut Content) {
+fn gardens(
+    frame: &Frame,
+    inner: &[DVec2],
+    h: &house::House,
+    footprints: &[Vec<DVec2>],
+    lot: &Lot,
+    params: &Params,
+    out: &mut Content,
+) {
     let mut rng = lot.key.child("trees").rng();
     let (low, high) = polygon::bounds(inner);
     let mut blocked: Vec<Vec<DVec2>> = footprints.to_vec();
@@ -444,7 +470,7 @@ fn gardens(frame: &Frame, inner: &[DVec2], h: &house::House, footprints: &[Vec<D
     };
     let (front, rear) = (h.door.y, h.rear_m);
     // A tree or two before the house, more behind it and in its corners.
-    let lush = rng.range(0.4, 1.7) * params.trees;
+    let lush = rng.range(0.45, 1.6) * params.trees;
     let mut put = |rng: &mut Rng, y: [f64; 2], plant: Plant, size: f64, clear: f64, border: f64| {
         for _ in 0..10 {
             let p = DVec2::new(rng.range(low.x, high.x), rng.range(y[0], y[1].max(y[0] + 0.5)));
@@ -460,13 +486,13 @@ fn gardens(frame: &Frame, inner: &[DVec2], h: &house::House, footprints: &[Vec<D
         _ => Plant::Palm,
     };
     let count = |rng: &mut Rng, mean: f64| libm::floor(mean * lush + rng.unit()) as u32;
-    for _ in 0..count(&mut rng, 0.85) {
+    for _ in 0..count(&mut rng, 1.25) {
         let plant = kind(&mut rng);
         put(&mut rng, [0.5, front], plant, 0.5 + 0.7 * lush.sqrt().min(1.4) * 0.8, 1.3, 0.8);
     }
-    for _ in 0..count(&mut rng, 2.3) {
+    for _ in 0..count(&mut rng, 4.4) {
         let plant = kind(&mut rng);
-        let size = rng.range(0.55, 1.3);
+        let size = rng.range(0.65, 1.45);
         put(&mut rng, [f64::midpoint(front, rear), high.y], plant, size, 1.2, 0.7);
     }
     for _ in 0..count(&mut rng, 5.0) {
@@ -496,7 +522,15 @@ fn gardens(frame: &Frame, inner: &[DVec2], h: &house::House, footprints: &[Vec<D
 }
 
 /// Trees and shrubs on open land.
-fn scatter(frame: &Frame, inner: &[DVec2], params: &Params, blocked: &[Vec<DVec2>], rng: &mut Rng, trees: u32, out: &mut Content) {
+fn scatter(
+    frame: &Frame,
+    inner: &[DVec2],
+    params: &Params,
+    blocked: &[Vec<DVec2>],
+    rng: &mut Rng,
+    trees: u32,
+    out: &mut Content,
+) {
     let (low, high) = polygon::bounds(inner);
     for _ in 0..libm::floor(f64::from(trees) * params.trees + rng.unit()) as u32 {
         let p = DVec2::new(rng.range(low.x, high.x), rng.range(low.y, high.y));
@@ -542,8 +576,14 @@ fn sheds(local: &[DVec2], rear_m: f64, rng: &mut Rng) -> Vec<(Vec<DVec2>, f64)> 
         return Vec::new();
     }
     let half = DVec2::new(rng.range(1.1, 2.0), rng.range(0.9, 1.5));
-    let corner = if rng.chance(0.5) { local[2] + DVec2::new(-half.x - 0.7, -half.y - 0.7) } else { local[3] + DVec2::new(half.x + 0.7, -half.y - 0.7) };
+    let corner = if rng.chance(0.5) {
+        local[2] + DVec2::new(-half.x - 0.7, -half.y - 0.7)
+    } else {
+        local[3] + DVec2::new(half.x + 0.7, -half.y - 0.7)
+    };
     let outline = polygon::oriented_rectangle(corner, DVec2::X, half);
-    let sound = outline.iter().all(|p| polygon::contains(local, *p) && polygon::border_distance(local, *p) > 0.3 && p.y > rear_m + 0.8);
+    let sound = outline
+        .iter()
+        .all(|p| polygon::contains(local, *p) && polygon::border_distance(local, *p) > 0.3 && p.y > rear_m + 0.8);
     if sound { vec![(outline, rng.range(1.9, 2.3))] } else { Vec::new() }
 }

@@ -4,6 +4,7 @@
 //! last. Everything is keyed by its own path: one tree more moves no house.
 
 mod assemble;
+mod freeway;
 mod house;
 mod land;
 mod layout;
@@ -66,6 +67,8 @@ mod ground_slot {
 pub enum Variant {
     /// Detached houses on bent streets.
     Suburb,
+    /// The same around two freeways that cross in a stack of four levels.
+    Interchange,
 }
 
 /// Parameters of a California scene.
@@ -97,11 +100,10 @@ const RING_M: f64 = 260.0;
 const DETAIL_MARGIN_M: f64 = 30.0;
 
 impl Params {
-    // The registry asks every region as a method.
-    #[allow(clippy::unused_self)]
     pub(crate) fn variant(&self) -> &'static str {
         match self.variant {
             Variant::Suburb => "suburb",
+            Variant::Interchange => "interchange",
         }
     }
 
@@ -115,8 +117,8 @@ impl Params {
     // The registry asks every region as a method.
     #[allow(clippy::unused_self)]
     pub(crate) fn height_bounds_m(&self) -> [f64; 2] {
-        // Relief and kerbs reach down to -3.9 m and feet 1 m below the lowest ground; the tallest palm is 24 m with its
-        // crown, an instance's scale makes up to a third of that more.
+        // Relief and kerbs reach down to -3.9 m, feet and piers 1.5 m below the ground; the tallest palm is 27 m high with
+        // its crown, the highest ramp 29 m, with a truck on it 33 m.
         let reach = relief::AMPLITUDE_M;
         [-reach - 2.5, 36.0 + reach]
     }
@@ -132,3 +134,6 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let city = path.child(params.variant());
     assemble::assemble(params, &assemble::plan(params, &city), &city)
 }
+
+#[cfg(test)]
+mod tests;

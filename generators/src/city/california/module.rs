@@ -5,7 +5,7 @@
 
 use super::land::{Land, Sheet};
 use super::layout::{
-    BULB_ROW_M, Border, Fillet, Grid, LOCAL_ROADWAY_M, LOCAL_ROW_M, Lot, Module, Rear, Slab, SlabUse, Strip,
+    BULB_ROW_M, Border, Fillet, Grid, LOCAL_ROADWAY_M, LOCAL_ROW_M, Line, Lot, Module, Rear, Slab, SlabUse, Strip,
 };
 use crate::kit::polygon;
 use glam::DVec2;
@@ -21,8 +21,8 @@ enum End {
 }
 
 /// Distance of a bulb's or a knuckle's middle from the border, m.
-const BULB_DEPTH_M: f64 = 36.0;
-const ELBOW_DEPTH_M: f64 = 40.0;
+const BULB_DEPTH_M: f64 = 33.0;
+const ELBOW_DEPTH_M: f64 = 38.5;
 
 /// Lots smaller than this are left as open land, m^2.
 const LEAST_LOT_M2: f64 = 300.0;
@@ -39,22 +39,33 @@ struct Layout<'a> {
 }
 
 /// Lays out module `index` between two corners of the sheet.
-pub(super) fn lay_out<'a>(index: [i64; 2], low: DVec2, high: DVec2, land: &'a Land, city: &SeedPath) -> Module<'a> {
+pub(super) fn lay_out<'a>(
+    index: [i64; 2],
+    low: DVec2,
+    high: DVec2,
+    grid: &Grid,
+    land: &'a Land,
+    city: &SeedPath,
+) -> Module<'a> {
     let name = format!("module/{}/{}", index[0], index[1]);
     let key = city.child("module").index(index[0] as u64).index(index[1] as u64);
     let mut rng = key.child("layout").rng();
     let mut low = low;
     let mut high = high;
-    let mut borders = [0, 1, 2, 3].map(|k| Border::Street(Grid::kind(index[k / 2] + (k % 2) as i64)));
+    let mut borders = [0, 1, 2, 3].map(|k| match grid.kind(index[k / 2] + (k % 2) as i64) {
+        Line::Freeway => Border::Freeway,
+        line => Border::Street(line),
+    });
     let mut slabs = Vec::new();
-    if let Some((usage, axis)) = usage_of(index, city) {
+    if let Some((usage, axis)) = usage_of(index, grid, city) {
         // Shops look at an arterial, schools and parks at a collector.
-        let wanted = if usage == SlabUse::Commercial { 0 } else { 1 };
+        let wanted = if matches!(usage, SlabUse::Commercial | SlabUse::Junction) { 0 } else { 1 };
         let far = (index[axis] + 1).rem_euclid(2) == wanted;
         let depth = match usage {
-            SlabUse::Commercial => rng.range(88.0, 112.0),
-            SlabUse::School => rng.range(130.0, 155.0),
-            SlabUse::Park => rng.range(85.0, 130.0),
+            SlabUse::Commercial => rng.range(82.0, 96.0),
+            SlabUse::School => rng.range(98.0, 116.0),
+            SlabUse::Park => rng.range(70.0, 100.0),
+            SlabUse::Junction => 225.0,
         };
         let (mut a, mut b) = (low, high);
         if far {
@@ -74,6 +85,7 @@ pub(super) fn lay_out<'a>(index: [i64; 2], low: DVec2, high: DVec2, land: &'a La
             usage,
             sheet: Sheet { land, origin: a, swapped, size, bow_m: [0.0; 2] },
             street_far: far,
+            junction_far: index[1 - axis] == -1,
         });
     }
     // Rows run along the longer side, or, when it hardly matters, as drawn.
@@ -89,7 +101,7 @@ pub(super) fn lay_out<'a>(index: [i64; 2], low: DVec2, high: DVec2, land: &'a La
         [rng.signed() * 7.0, (6.0 + 5.0 * rng.unit()) * if rng.chance(0.5) { 1.0 } else { -1.0 }]
     };
     let sheet = Sheet { land, origin: low, swapped, size, bow_m };
-    let rows = libm::round(size.y / (2.0 * 31.5 + 2.0 * LOCAL_ROW_M)).max(1.0);
+    let rows = libm::round(size.y / (2.0 * 29.8 + 2.0 * LOCAL_ROW_M)).max(1.0);
     let mut layout = Layout {
         module: Module {
             key,
@@ -103,7 +115,7 @@ pub(super) fn lay_out<'a>(index: [i64; 2], low: DVec2, high: DVec2, land: &'a La
         },
         size,
         depth: (size.y / rows - 2.0 * LOCAL_ROW_M) / 2.0,
-        width: rng.range(16.2, 18.8),
+        width: rng.range(15.6, 17.8),
         spine: size.x * rng.range(0.36, 0.64),
         borders,
     };
@@ -113,7 +125,11 @@ pub(super) fn lay_out<'a>(index: [i64; 2], low: DVec2, high: DVec2, land: &'a La
 
 /// What one of the four modules of a square of arterials is used for beside dwellings: one has shops, another a school
 /// or a park; and along which axis that slab has its depth.
-fn usage_of(index: [i64; 2], city: &SeedPath) -> Option<(SlabUse, usize)> {
+fn usage_of(index: [i64; 2], grid: &Grid, city: &SeedPath) -> Option<(SlabUse, usize)> {
+    if grid.has_freeways() && index.iter().all(|k| (-1..=0).contains(k)) {
+        let mut rng = city.child("junction").index(index[0] as u64).index(index[1] as u64).rng();
+        return Some((SlabUse::Junction, rng.below(2) as usize));
+    }
     let square = index.map(|k| k.div_euclid(2) as u64);
     let mut rng = city.child("square").index(square[0]).index(square[1]).rng();
     let mut places = [0, 1, 2, 3];
@@ -148,9 +164,9 @@ impl Layout<'_> {
 
     fn fill(&mut self, rows: usize, rng: &mut Rng) {
         let mut opens = [0, 1].map(|k| match self.borders[2 + k] {
-            Border::Street(super::layout::Line::Collector) => true,
-            Border::Street(super::layout::Line::Arterial) => rng.chance(0.35),
-            Border::Land => false,
+            Border::Street(Line::Collector) => true,
+            Border::Street(_) => rng.chance(0.35),
+            Border::Land | Border::Freeway => false,
         });
         let mut ends = [0, 1].map(|side| self.ends(side, rows, rng));
         let reached = opens.contains(&true) || ends.iter().flatten().any(|e| *e == End::Open);
@@ -179,11 +195,17 @@ impl Layout<'_> {
     }
 
     fn ends(&self, side: usize, rows: usize, rng: &mut Rng) -> Vec<End> {
-        let collector = self.borders[side] == Border::Street(super::layout::Line::Collector);
-        let arterial = self.borders[side] == Border::Street(super::layout::Line::Arterial);
+        let collector = self.borders[side] == Border::Street(Line::Collector);
+        let arterial = self.borders[side] == Border::Street(Line::Arterial);
         let mut out = Vec::with_capacity(rows);
         while out.len() < rows {
-            let open = if collector { 0.42 } else if arterial { 0.1 } else { 0.0 };
+            let open = if collector {
+                0.42
+            } else if arterial {
+                0.1
+            } else {
+                0.0
+            };
             if rng.chance(open) {
                 out.push(End::Open);
             } else if out.len() + 1 < rows && rng.chance(0.45) {
@@ -212,7 +234,7 @@ impl Layout<'_> {
         };
         let (low, low_line) = reach(0, self.row(0), 0.0);
         let (high, high_line) = reach(1, self.row(rows - 1), self.size.y);
-        let out = |line: Option<super::layout::Line>| line.map_or(0.0, super::layout::Line::half_row_m);
+        let out = |line: Option<Line>| line.map_or(0.0, Line::half_row_m);
         let x = self.spine;
         let from = DVec2::new(x, low - out(low_line));
         let to = DVec2::new(x, high + out(high_line));
@@ -253,13 +275,14 @@ impl Layout<'_> {
                 End::Elbow(_) => (ELBOW_DEPTH_M, Some(ELBOW_DEPTH_M)),
             };
             let rear = match (outermost, self.borders[2 + f]) {
-                (true, Border::Street(_)) => Rear::Wall,
+                (true, Border::Street(_) | Border::Freeway) => Rear::Wall,
                 (true, Border::Land) => Rear::Fence,
                 _ if f == 1 => Rear::Fence,
                 _ => Rear::Shared,
             };
             let name = format!("{side}/{k}/{f}");
-            let run = [self.at(side, from, b + facing * LOCAL_ROW_M), self.at(side, to_spine, b + facing * LOCAL_ROW_M)];
+            let run =
+                [self.at(side, from, b + facing * LOCAL_ROW_M), self.at(side, to_spine, b + facing * LOCAL_ROW_M)];
             let bulge_at = bulge_at.map(|e| self.at(side, e, b));
             self.row_of_lots(&name, run, DVec2::new(0.0, facing), bulge_at, rear);
         }
@@ -278,7 +301,13 @@ impl Layout<'_> {
                 self.module.bulbs.push(centre);
                 let half = self.depth + LOCAL_ROW_M;
                 let region = [self.at(side, 0.0, b - half), self.at(side, BULB_DEPTH_M, b + half)];
-                self.wedges(&format!("{side}/{k}/bulb"), centre, region, -inward, [-90.0, -45.0, 0.0, 45.0, 90.0].as_slice());
+                self.wedges(
+                    &format!("{side}/{k}/bulb"),
+                    centre,
+                    region,
+                    -inward,
+                    [-90.0, -45.0, 0.0, 45.0, 90.0].as_slice(),
+                );
             }
             End::Elbow(up) => {
                 let centre = self.at(side, ELBOW_DEPTH_M, b);
@@ -316,7 +345,7 @@ impl Layout<'_> {
 
     fn column_of_lots(&mut self, name: &str, run: [DVec2; 2], outward: f64, depth: f64) {
         let rear = match self.borders[usize::from(outward > 0.0)] {
-            Border::Street(_) => Rear::Wall,
+            Border::Street(_) | Border::Freeway => Rear::Wall,
             Border::Land => Rear::Fence,
         };
         let count = self.fronts(name, run).len();

@@ -57,8 +57,7 @@ pub(super) fn ground(
     height_m: &dyn Fn(DVec2) -> f64,
 ) -> Ground {
     layers.sort_by_key(|(layer, _)| *layer);
-    let outlines: Vec<Vec<DVec2>> =
-        layers.iter().map(|(_, p)| polygon::subdivided(&p.outline, LONGEST_M)).collect();
+    let outlines: Vec<Vec<DVec2>> = layers.iter().map(|(_, p)| polygon::subdivided(&p.outline, LONGEST_M)).collect();
     let patches = layers
         .into_iter()
         .zip(arranged(&outlines))

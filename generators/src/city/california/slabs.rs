@@ -30,6 +30,7 @@ pub(super) fn plan(params: &Params, slab: &Slab<'_>, height_m: &dyn Fn(DVec2) ->
         SlabUse::Commercial => site.mall(),
         SlabUse::School => site.school(),
         SlabUse::Park => site.park(),
+        SlabUse::Junction => site.junction(),
     }
     site.out
 }
@@ -50,8 +51,7 @@ impl Site<'_> {
     }
 
     fn outline(&self, local: &[DVec2]) -> Vec<DVec2> {
-        let mut out: Vec<DVec2> =
-            polygon::subdivided(local, 12.0).iter().map(|p| self.at(p.x, p.y)).collect();
+        let mut out: Vec<DVec2> = polygon::subdivided(local, 12.0).iter().map(|p| self.at(p.x, p.y)).collect();
         if polygon::area(&out) < 0.0 {
             out.reverse();
         }
@@ -61,8 +61,13 @@ impl Site<'_> {
     /// Lays a polygon whose texture coordinates begin at its first corner.
     fn lay(&mut self, layer: Layer, local: &[DVec2], slot: u16) {
         let outline = self.outline(local);
-        let patch =
-            Patch { outline, slot, origin_m: self.at(local[0].x, local[0].y), axis: self.along(local[0].x, local[0].y), lowered: false };
+        let patch = Patch {
+            outline,
+            slot,
+            origin_m: self.at(local[0].x, local[0].y),
+            axis: self.along(local[0].x, local[0].y),
+            lowered: false,
+        };
         self.out.patches.push((layer, patch));
     }
 
@@ -89,7 +94,11 @@ impl Site<'_> {
             let front = if self.slab.street_far { (v1 - v0) / 2.0 - 2.2 } else { -(v1 - v0) / 2.0 + 2.2 };
             let block = polygon::oriented_rectangle(DVec2::new(x, front), DVec2::X, DVec2::new(w / 2.0, 2.4));
             over.push(polygon::mitred(&block, -0.5));
-            masses.push(wall_mass(block, roof_m + rng.range(1.2, 2.4), Roof::Flat { parapet_m: 0.3, slot: part::TERRACE }));
+            masses.push(wall_mass(
+                block,
+                roof_m + rng.range(1.2, 2.4),
+                Roof::Flat { parapet_m: 0.3, slot: part::TERRACE },
+            ));
         }
         let what = Furnishing { base_m: roof_m, handlers: 0.42, panels: 0.12, beds: 0.0, bulkhead: 0.12 };
         let inner = polygon::mitred(&outline, 1.0);
@@ -124,9 +133,9 @@ impl Site<'_> {
             let mut u = u0 + 6.5 + 1.3;
             for end in [u0 + 3.2, u1 - 3.2] {
                 self.lay(Layer::Bed, &Self::rect(end - 1.4, end + 1.4, v - 4.6, v + 4.6), slot::MULCH);
-                if rng.chance(0.85 * self.params.trees.min(1.2)) {
-                    let size = rng.range(0.6, 1.0);
-                    self.tree(end, v + rng.signed() * 2.5, Plant::Broad, size);
+                let (size, at) = (rng.range(0.6, 1.0), v + rng.signed() * 2.5);
+                if rng.unit() < 0.85 * self.params.trees {
+                    self.tree(end, at, Plant::Broad, size);
                 }
             }
             while u < u1 - 7.0 {
@@ -153,9 +162,9 @@ impl Site<'_> {
         let mut u = 6.0;
         while u < size.x - 5.0 {
             let plant = if rng.chance(0.3) { Plant::Palm } else { Plant::Broad };
-            let s = rng.range(0.6, 1.0);
-            if rng.chance(0.75 * self.params.trees.min(1.3)) {
-                self.tree(u, rng.range(2.0, 3.5), plant, s);
+            let (size, v) = (rng.range(0.6, 1.0), rng.range(2.0, 3.5));
+            if rng.unit() < 0.75 * self.params.trees {
+                self.tree(u, v, plant, size);
             }
             u += rng.range(8.0, 13.0);
         }
@@ -169,7 +178,13 @@ impl Site<'_> {
             let width = if large { rng.range(38.0, 56.0) } else { rng.range(22.0, 48.0) }.min(size.x - 8.0 - u);
             let depth = if large { rng.range(28.0, 36.0) } else { rng.range(17.0, 22.0) };
             let roof = if large { rng.range(7.0, 9.0) } else { rng.range(4.8, 6.4) };
-            self.flat(&format!("shop/{k}"), Kind::Shop, [u, u + width, rear - depth, rear], roof, &key.child("shop").index(k));
+            self.flat(
+                &format!("shop/{k}"),
+                Kind::Shop,
+                [u, u + width, rear - depth, rear],
+                roof,
+                &key.child("shop").index(k),
+            );
             self.lay(Layer::Front, &Self::rect(u, u + width, rear - depth - 3.2, rear - depth + 0.5), slot::PLAZA);
             u += width + if rng.chance(0.7) { 0.4 } else { rng.range(7.0, 12.0) };
             k += 1;
@@ -183,7 +198,13 @@ impl Site<'_> {
             let u = if n == 0 { rng.range(14.0, 30.0) } else { size.x - rng.range(34.0, 44.0) };
             let d = rng.range(11.0, 15.0).min(near - 14.0);
             if d > 8.0 {
-                self.flat(&format!("pad/{n}"), Kind::Shop, [u, u + w, 9.0, 9.0 + d], rng.range(4.6, 5.8), &key.child("pad").index(n));
+                self.flat(
+                    &format!("pad/{n}"),
+                    Kind::Shop,
+                    [u, u + w, 9.0, 9.0 + d],
+                    rng.range(4.6, 5.8),
+                    &key.child("pad").index(n),
+                );
                 self.lay(Layer::Front, &Self::rect(u - 3.0, u + w + 3.0, 6.6, 9.0 + d + 2.5), slot::PLAZA);
                 lot_from = 9.0 + d + 4.0;
             }
@@ -191,7 +212,6 @@ impl Site<'_> {
         if near - lot_from > 18.0 {
             self.parking([6.0, size.x - 6.0, lot_from, near + 2.0], rng.range(0.3, 0.7), &key.child("parking"));
         } else {
-            let _ = rng.unit();
             self.parking([58.0, size.x - 58.0, 6.4, near + 2.0], rng.range(0.3, 0.7), &key.child("parking"));
         }
     }
@@ -209,7 +229,8 @@ impl Site<'_> {
             out
         };
         self.lay(Layer::Bed, &sector(home - axis * 3.0, 31.0), slot::INFIELD);
-        let inner = polygon::oriented_rectangle(home + axis * 14.0, (axis + axis.perp()).normalize(), DVec2::splat(8.2));
+        let inner =
+            polygon::oriented_rectangle(home + axis * 14.0, (axis + axis.perp()).normalize(), DVec2::splat(8.2));
         self.lay(Layer::Drive, &inner, slot::TURF);
     }
 
@@ -232,17 +253,21 @@ impl Site<'_> {
         let mut rng = key.rng();
         self.lay(Layer::Yard, &Self::rect(0.1, size.x - 0.1, 0.1, size.y - 0.1), slot::TURF);
         let half = size.x * rng.range(0.46, 0.56);
-        self.lay(Layer::Front, &Self::rect(2.0, half, 2.0, size.y - 20.0), slot::PLAZA);
-        let bars = 4_u32;
-        let pitch = (size.y - 60.0) / f64::from(bars);
-        for k in 0..bars {
-            let v = 34.0 + pitch * f64::from(k);
-            let u = 8.0 + rng.range(0.0, 6.0);
-            let end = u + rng.range(0.55, 0.85) * (half - 20.0);
-            let roof = rng.range(4.2, 5.4);
-            self.flat(&format!("bar/{k}"), Kind::School, [u, end, v, v + (pitch - 9.0).clamp(9.0, 13.0)], roof, &key.child("bar").index(k.into()));
+        self.lay(Layer::Front, &Self::rect(4.0, half - 2.0, 30.0, size.y - 4.0), slot::PLAZA);
+        // Two columns of class rooms.
+        let rows = libm::floor((size.y - 62.0) / 19.0).max(1.0) as u32;
+        for k in 0..rows {
+            let v = 60.0 + 19.0 * f64::from(k);
+            for c in 0..2 {
+                let u = 8.0 + f64::from(c) * (half * 0.48) + rng.range(0.0, 3.0);
+                let end = u + half * rng.range(0.36, 0.42);
+                let roof = rng.range(4.2, 5.2);
+                let key = key.child("bar").index(u64::from(2 * k + c));
+                self.flat(&format!("bar/{k}/{c}"), Kind::School, [u, end, v, v + 10.5], roof, &key);
+                self.lay(Layer::Bed, &Self::rect(u, end - 2.0, v + 11.5, v + 17.0), slot::FRONT[1]);
+            }
         }
-        self.flat("hall", Kind::School, [half - 34.0, half - 6.0, 30.0, 54.0], rng.range(7.5, 9.5), &key.child("hall"));
+        self.flat("hall", Kind::School, [half - 40.0, half - 8.0, 32.0, 54.0], rng.range(7.5, 9.5), &key.child("hall"));
         self.parking([6.0, half - 4.0, 5.0, 29.0], 0.55, &key.child("parking"));
         self.lay(Layer::Front, &Self::rect(half + 1.0, half + 44.0, size.y - 58.0, size.y - 6.0), slot::YARD_ASPHALT);
         for k in 0..3 {
@@ -254,7 +279,10 @@ impl Site<'_> {
         self.woods(26, &mut rng, [4.0, half, 30.0, size.y - 4.0]);
         let mut u = half + 6.0;
         while u < size.x - 4.0 {
-            self.tree(u, 3.0, Plant::Broad, rng.range(0.8, 1.2));
+            let size = rng.range(0.8, 1.2);
+            if rng.unit() < self.params.trees {
+                self.tree(u, 3.0, Plant::Broad, size);
+            }
             u += rng.range(8.0, 14.0);
         }
     }
@@ -294,5 +322,38 @@ impl Site<'_> {
         self.lay(Layer::Coping, &sand, slot::TRACK);
         self.flat("house", Kind::School, [courts + 32.0, courts + 46.0, 32.0, 40.0], 4.0, &key.child("house"));
         self.woods(75, &mut rng, [3.0, size.x - 60.0, 30.0, size.y - 3.0]);
+    }
+
+    /// Open land below ramps, and a large shop with its parking where the ramps are far enough.
+    fn junction(&mut self) {
+        let size = self.size();
+        let key = self.slab.key.clone();
+        let mut rng = key.rng();
+        // u by its distance from the interchange.
+        let far = self.slab.junction_far;
+        let span = |a: f64, b: f64| if far { [size.x - b, size.x - a] } else { [a, b] };
+        let start = 236.0;
+        if size.x - start > 60.0 {
+            let [u0, u1] = span(start, size.x - 0.2);
+            self.lay(Layer::Yard, &Self::rect(u0, u1, 8.0, size.y - 0.2), slot::YARD_ASPHALT);
+            let wide = (u1 - u0 - 16.0).min(70.0);
+            let [b0, b1] = [u0 + 6.0, u0 + 6.0 + wide];
+            self.flat(
+                "shop/0",
+                Kind::Shop,
+                [b0, b1, size.y - 62.0, size.y - 12.0],
+                rng.range(7.5, 10.0),
+                &key.child("shop"),
+            );
+            self.parking([u0 + 4.0, u1 - 4.0, 60.0, size.y - 68.0], rng.range(0.35, 0.7), &key.child("parking"));
+            self.flat("pad/0", Kind::Shop, [b0 + 4.0, b0 + 30.0, 24.0, 44.0], rng.range(4.6, 6.0), &key.child("pad"));
+        }
+        let [u0, u1] = span(4.0, start - 6.0);
+        self.woods(90, &mut rng, [u0, u1, 4.0, size.y - 6.0]);
+        for _ in 0..libm::floor(500.0 * self.params.trees) as u32 {
+            let (u, v) = (rng.range(u0, u1), rng.range(2.0, size.y - 4.0));
+            let size = rng.range(0.7, 2.0);
+            self.tree(u, v, Plant::Shrub, size);
+        }
     }
 }

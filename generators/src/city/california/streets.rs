@@ -147,6 +147,7 @@ fn lanes(line: Line) -> &'static [(f64, f64)] {
     match line {
         Line::Arterial => &[(-10.3, 1.0), (-6.9, 1.0), (-3.5, 1.0), (3.5, -1.0), (6.9, -1.0), (10.3, -1.0)],
         Line::Collector => &[(-3.4, 1.0), (3.4, -1.0)],
+        Line::Freeway => &[],
     }
 }
 
@@ -174,7 +175,8 @@ pub(super) fn piece(piece: &Piece, land: &Land, params: &Params, city: &SeedPath
         band(&mut out, Layer::Gutter, half, slot::GUTTER, true);
     }
     // The crossing at the begin: a plain square and its rounded corners, given by one of the two lines.
-    if piece.index[0] == 0 {
+    let below = piece.meets.map(|m| m == Line::Freeway);
+    if piece.index[0] == 0 && !below[0] {
         let other = clear[0];
         let square = [
             from + DVec2::new(-half, -other),
@@ -217,11 +219,14 @@ pub(super) fn piece(piece: &Piece, land: &Land, params: &Params, city: &SeedPath
         return out;
     }
     markings(piece, &sheet, &at, length, clear, edge, &mut out);
+    let ends = [d0, d1];
+    // Nothing tall stands below a freeway.
+    let (d0, d1) = (if below[0] { 56.0 } else { d0 }, if below[1] { length - 56.0 } else { d1 });
     if piece.kind == Line::Arterial {
         median(&sheet, &at, [d0 + 16.0, d1 - 16.0], params, &key, &mut out);
     }
     verge(piece, &sheet, &at, [d0, d1], params, &key, &mut out);
-    traffic(piece, &sheet, &at, [d0, d1], params, &key, &mut out);
+    traffic(piece, &sheet, &at, ends, params, &key, &mut out);
     out
 }
 
@@ -239,6 +244,9 @@ fn markings(
         return;
     }
     for (start, way, begin) in [(clear[0], 1.0, true), (length - clear[1], -1.0, false)] {
+        if piece.meets[usize::from(!begin)] == Line::Freeway {
+            continue;
+        }
         let mut mark = |a: f64, b: f64, l0: f64, l1: f64, slot: u16| {
             let (a, b) = (start + way * a, start + way * b);
             let (a, b) = (a.min(b), a.max(b));

@@ -1,5 +1,6 @@
 //! The ground: asphalt of several ages, concrete, and the mosaic of yards.
 
+use super::super::freeway::slot as deck;
 use super::super::ground_slot as slot;
 use crate::city::toronto::materials::surfaces::{aged, asphalt, bgr, brightness, concrete, noise, repeating};
 use satseed_scene::{Bands, Brdf, Class, Coordinate, Field, Layer, Material, Space};
@@ -24,8 +25,15 @@ pub(super) fn materials(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     let wear = noise(seed("paint", 0), 3.0, 3).affine(0.8, 0.55).ramp(0.0, 1.0);
     let ladder = Field::Product(vec![repeating(Coordinate::V, 1.25, 0.55, 0.2), wear.clone()]);
     let paint = bgr(0.4, 0.42, 0.43);
-    put(slot::CROSSING, asphalt("crossing", 0.7, seed("arterial", 0)).with(Layer::Mix { color: paint, amount: ladder.times(0.8) }));
-    put(slot::STOP, asphalt("stop bar", 0.7, seed("arterial", 0)).with(Layer::Mix { color: paint, amount: wear.clone().times(0.8) }));
+    put(
+        slot::CROSSING,
+        asphalt("crossing", 0.7, seed("arterial", 0)).with(Layer::Mix { color: paint, amount: ladder.times(0.8) }),
+    );
+    put(
+        slot::STOP,
+        asphalt("stop bar", 0.7, seed("arterial", 0))
+            .with(Layer::Mix { color: paint, amount: wear.clone().times(0.8) }),
+    );
     put(slot::PATCH, asphalt("patch", 0.15, seed("patch", 0)));
     put(slot::TRENCH, asphalt("trench", 0.35, seed("patch", 1)));
     put(slot::MEDIAN, yard("median", [0.35, 0.35], seed("median", 0)));
@@ -73,9 +81,10 @@ pub(super) fn materials(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     let water = [bgr(0.3, 0.38, 0.17), bgr(0.3, 0.33, 0.12), bgr(0.24, 0.33, 0.15), bgr(0.07, 0.13, 0.07)];
     for (k, base) in water.into_iter().enumerate() {
         let s = seed("pool", k as u64);
-        let mut m = Material::diffuse(&format!("pool {k}"), Class::Water, Bands::new(base.0[0], base.0[1], base.0[2], 0.02))
-            .with(brightness(noise(s, 5.0, 2).times(0.14)))
-            .with(brightness(noise(s ^ 1, 0.9, 2).times(0.1)));
+        let mut m =
+            Material::diffuse(&format!("pool {k}"), Class::Water, Bands::new(base.0[0], base.0[1], base.0[2], 0.02))
+                .with(brightness(noise(s, 5.0, 2).times(0.14)))
+                .with(brightness(noise(s ^ 1, 0.9, 2).times(0.1)));
         m.brdf = Brdf::Coated { index: Brdf::WATER_INDEX };
         put(slot::POOL[k], m);
     }
@@ -105,10 +114,8 @@ fn turf(seed: u32) -> Material {
 }
 
 fn soil(name: &str, base: Bands, grain: f32, seed: u32) -> Material {
-    aged(Material::diffuse(name, Class::Ground, base).rough(0.5), seed, 0.16, grain).with(Layer::Mix {
-        color: base * 0.65,
-        amount: noise(seed ^ 0x31, 3.0, 3).ramp(0.1, 0.6).times(0.4),
-    })
+    aged(Material::diffuse(name, Class::Ground, base).rough(0.5), seed, 0.16, grain)
+        .with(Layer::Mix { color: base * 0.65, amount: noise(seed ^ 0x31, 3.0, 3).ramp(0.1, 0.6).times(0.4) })
 }
 
 /// Asphalt that cracks have been sealed on with black tar.
@@ -137,7 +144,12 @@ fn pavers(name: &str, base: Bands, seed: u32) -> Material {
 fn court(seed: u32) -> Material {
     let m = aged(Material::diffuse("court", Class::Ground, bgr(0.075, 0.11, 0.075)).rough(0.4), seed, 0.08, 0.06);
     let line = |across, at: f32| Field::Stripes { across, period_m: 4000.0, width_m: 0.1, offset_m: at };
-    let lines = Field::Max(vec![line(Coordinate::U, 1.8), line(Coordinate::U, 8.9), line(Coordinate::V, 2.0), line(Coordinate::V, 10.5)]);
+    let lines = Field::Max(vec![
+        line(Coordinate::U, 1.8),
+        line(Coordinate::U, 8.9),
+        line(Coordinate::V, 2.0),
+        line(Coordinate::V, 10.5),
+    ]);
     m.with(Layer::Mix { color: bgr(0.5, 0.52, 0.52), amount: lines.times(0.8) })
 }
 
@@ -169,4 +181,61 @@ fn lanes(name: &str, age: f32, arterial: bool, seed: u32) -> Material {
     m = m.with(Layer::Mix { color: bgr(0.38, 0.4, 0.41), amount: white.times(0.75) });
     let pair = Field::Sum(yellow.iter().map(|c| stripe(*c, 0.11)).collect());
     m.with(Layer::Mix { color: bgr(0.09, 0.26, 0.36), amount: Field::Product(vec![pair, wear]).times(0.75) })
+}
+
+/// The materials of freeways, in the order of their slots.
+pub(super) fn freeway(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
+    let blank = Material::diffuse("blank", Class::Bridge, Bands::grey(0.2));
+    let mut out = vec![blank; deck::COUNT];
+    let edge = [2.0, 16.4];
+    let both = |list: &[f32]| -> Vec<f32> { list.iter().flat_map(|x| [*x, -*x]).collect() };
+    out[deck::LANES as usize] = slabs(
+        "freeway",
+        &both(&[3.8, 7.4, 11.0, 14.6]),
+        &both(&[5.6, 9.2, 12.8]),
+        &both(&edge[1..]),
+        &both(&edge[..1]),
+        seed("freeway", 0),
+    );
+    out[deck::RAMP as usize] = slabs("ramp", &[-1.8, 1.8], &[0.0], &[-3.6], &[3.6], seed("freeway", 1));
+    let streaks = Field::Noise(satseed_scene::Fractal::new(Space::Plan, seed("freeway", 3), 0.9, 2));
+    out[deck::CONCRETE as usize] =
+        concrete("structure", Class::Bridge, 0.29, 0.0, seed("freeway", 2)).with(brightness(streaks.times(0.16)));
+    out[deck::SLOPE as usize] = yard("embankment", [0.2, 0.5], seed("freeway", 4));
+    out
+}
+
+/// Concrete pavement in slabs, with joints, tyre bands and worn lines.
+fn slabs(name: &str, lanes: &[f32], dashed: &[f32], white: &[f32], yellow: &[f32], seed: u32) -> Material {
+    let stripe = |at: f32, width_m: f32| Field::Stripes {
+        across: Coordinate::V,
+        period_m: 4000.0,
+        width_m,
+        offset_m: at - width_m / 2.0,
+    };
+    let base = bgr(0.2, 0.235, 0.258);
+    let m = aged(Material::diffuse(name, Class::Bridge, base).rough(0.3), seed, 0.1, 0.08);
+    let each = Field::Cells { space: Space::Uv, seed, size_m: [4.6, 3.6, 0.0], stagger: 0.0 };
+    let oil = Field::Sum(lanes.iter().map(|c| stripe(*c, 1.0)).collect());
+    let tracks = lanes.iter().flat_map(|c| [c - 0.9, c + 0.9]).map(|c| stripe(c, 0.6)).collect();
+    let wear = noise(seed ^ 0xc, 6.0, 3).affine(0.7, 0.6).ramp(0.0, 1.0);
+    let dashes = Field::Product(vec![
+        repeating(Coordinate::U, 14.6, 3.7, 0.0),
+        Field::Sum(dashed.iter().map(|c| stripe(*c, 0.14)).collect()),
+    ]);
+    let solid = Field::Sum(white.iter().map(|c| stripe(*c, 0.15)).collect());
+    let left = Field::Sum(yellow.iter().map(|c| stripe(*c, 0.15)).collect());
+    m.with(brightness(each.times(0.07)))
+        .with(brightness(repeating(Coordinate::U, 4.6, 0.05, 0.0).times(-0.25)))
+        .with(brightness(Field::Product(vec![oil, noise(seed ^ 0xb, 17.0, 2).affine(0.5, 0.8)]).times(-0.2)))
+        .with(brightness(Field::Sum(tracks).times(-0.08)))
+        .with(Layer::Mix {
+            color: bgr(0.07, 0.072, 0.075),
+            amount: noise(seed ^ 0xd, 90.0, 2).ramp(0.15, 0.3).times(0.5),
+        })
+        .with(Layer::Mix {
+            color: bgr(0.45, 0.47, 0.48),
+            amount: Field::Product(vec![Field::Sum(vec![dashes, solid]), wear.clone()]).times(0.75),
+        })
+        .with(Layer::Mix { color: bgr(0.1, 0.28, 0.38), amount: Field::Product(vec![left, wear]).times(0.75) })
 }

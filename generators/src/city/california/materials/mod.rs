@@ -46,6 +46,7 @@ pub(super) struct Materials {
     cargo: Vec<u32>,
     lamp: u32,
     steel: u32,
+    freeway: Vec<u32>,
 }
 
 impl Materials {
@@ -58,6 +59,7 @@ impl Materials {
     pub(super) fn new(path: &SeedPath) -> Self {
         let mut this = Self::default();
         let seed = |name: &str, k: u64| path.child(name).index(k).hash_u32();
+        this.freeway = ground::freeway(&seed).into_iter().map(|m| this.add(m)).collect();
         let set = ground::materials(&seed).into_iter().map(|m| this.add(m)).collect();
         this.sets.push(set);
         this.walls(&seed);
@@ -94,7 +96,10 @@ impl Materials {
             let m = self.add(with_windows(wall(&format!("stucco {k}"), base, s), [1.2, 1.6, 0.9][k % 3], 1.25, s));
             self.stucco.push(m);
         }
-        for (k, base) in [bgr(0.36, 0.42, 0.45), bgr(0.2, 0.27, 0.33), bgr(0.26, 0.28, 0.3), bgr(0.12, 0.15, 0.2)].into_iter().enumerate() {
+        for (k, base) in [bgr(0.36, 0.42, 0.45), bgr(0.2, 0.27, 0.33), bgr(0.26, 0.28, 0.3), bgr(0.12, 0.15, 0.2)]
+            .into_iter()
+            .enumerate()
+        {
             let s = seed("shop wall", k as u64);
             let m = self.add(with_windows(wall(&format!("shop wall {k}"), base, s), 2.2, 1.7, s));
             self.shop_walls.push(m);
@@ -104,7 +109,10 @@ impl Materials {
             let m = self.add(aged(m, seed("trim", k as u64), 0.1, 0.08));
             self.trim.push(m);
         }
-        for (k, base) in [bgr(0.46, 0.49, 0.5), bgr(0.1, 0.14, 0.19), bgr(0.22, 0.26, 0.29), bgr(0.06, 0.085, 0.12)].into_iter().enumerate() {
+        for (k, base) in [bgr(0.46, 0.49, 0.5), bgr(0.1, 0.14, 0.19), bgr(0.22, 0.26, 0.29), bgr(0.06, 0.085, 0.12)]
+            .into_iter()
+            .enumerate()
+        {
             let m = Material::diffuse(&format!("patio cover {k}"), Class::Roof, base).rough(0.3);
             let laths = repeating(Coordinate::U, 0.45, 0.14, 0.0);
             let m = self.add(aged(m, seed("cover", k as u64), 0.16, 0.1).with(brightness(laths.times(-0.4))));
@@ -115,7 +123,8 @@ impl Materials {
             let m = self.add(m.with(brightness(repeating(Coordinate::V, 0.53, 0.05, 0.0).times(-0.3))));
             self.doors.push(m);
         }
-        self.windows = self.add(glass("shop window", bgr(0.05, 0.05, 0.05), bgr(0.14, 0.14, 0.14), 1.0, 0.25, seed("window", 0)));
+        self.windows =
+            self.add(glass("shop window", bgr(0.05, 0.05, 0.05), bgr(0.14, 0.14, 0.14), 1.0, 0.25, seed("window", 0)));
         self.dark = self.add(Material::diffuse("opening", Class::Roof, bgr(0.03, 0.03, 0.03)));
     }
 
@@ -201,7 +210,8 @@ impl Materials {
             let m = self.add(leaf(format!("leaves {k}"), Class::Tree, base, seed("leaf", k as u64)));
             self.leaves.push(m);
         }
-        self.fronds = self.add(leaf("fronds".to_owned(), Class::Tree, Bands::new(0.04, 0.078, 0.052, 0.38), seed("frond", 0)));
+        self.fronds =
+            self.add(leaf("fronds".to_owned(), Class::Tree, Bands::new(0.04, 0.078, 0.052, 0.38), seed("frond", 0)));
         let shrubs = [
             Bands::new(0.034, 0.072, 0.044, 0.4),
             Bands::new(0.03, 0.06, 0.04, 0.36),
@@ -217,13 +227,22 @@ impl Materials {
     }
 
     fn things(&mut self, seed: &impl Fn(&str, u64) -> u32) {
-        for (k, base) in [bgr(0.09, 0.12, 0.155), bgr(0.13, 0.15, 0.17), bgr(0.07, 0.095, 0.13), bgr(0.5, 0.52, 0.53)].into_iter().enumerate() {
+        for (k, base) in [bgr(0.09, 0.12, 0.155), bgr(0.13, 0.15, 0.17), bgr(0.07, 0.095, 0.13), bgr(0.5, 0.52, 0.53)]
+            .into_iter()
+            .enumerate()
+        {
             let m = Material::diffuse(&format!("boards {k}"), Class::OtherStructure, base).rough(0.3);
             let m = self.add(aged(m, seed("boards", k as u64), 0.16, 0.14));
             self.boards.push(m);
         }
         for (k, level) in [0.3, 0.24].into_iter().enumerate() {
-            let m = self.add(concrete(&format!("block wall {k}"), Class::OtherStructure, level, 0.0, seed("blocks", k as u64)));
+            let m = self.add(concrete(
+                &format!("block wall {k}"),
+                Class::OtherStructure,
+                level,
+                0.0,
+                seed("blocks", k as u64),
+            ));
             self.blocks.push(m);
         }
         let paints = [
@@ -328,6 +347,11 @@ impl Materials {
         self.set(set)
     }
 
+    /// The set of freeways, embankments and piers.
+    pub(super) fn freeway_set(&mut self) -> u32 {
+        self.set(self.freeway.clone())
+    }
+
     /// A set of one slot: street lights.
     pub(super) fn steel_set(&mut self) -> u32 {
         self.set(vec![self.steel])
@@ -340,10 +364,7 @@ fn pitched(name: &str, base: Bands, seed: u32) -> Material {
     let streaks = Fractal::new(Space::Uv, seed ^ 0x1f, 0.8, 2).stretched([1.0, 5.0, 1.0]);
     aged(m, seed, 0.13, 0.12)
         .with(brightness(Field::Noise(streaks).times(0.12)))
-        .with(Layer::Mix {
-            color: base * 0.6,
-            amount: noise(seed ^ 0x2b, 4.0, 3).ramp(0.15, 0.6).times(0.45),
-        })
+        .with(Layer::Mix { color: base * 0.6, amount: noise(seed ^ 0x2b, 4.0, 3).ramp(0.15, 0.6).times(0.45) })
         .with(brightness(Field::Variation(2).times(0.22)))
         .with(Layer::Tint { tint: Bands::new(-0.07, 0.0, 0.08, 0.08), amount: Field::Variation(3) })
 }
