@@ -32,7 +32,7 @@ pub fn arranged(outlines: &[Vec<DVec2>]) -> Vec<Vec<DVec2>> {
         if splits.is_empty() {
             break;
         }
-        insert(&mut rings, splits);
+        insert(&mut rings, &splits);
     }
     rings
         .into_iter()
@@ -118,7 +118,7 @@ fn meet(a: &Edge, b: &Edge, splits: &mut Vec<Split>) {
     }
 }
 
-fn insert(rings: &mut [Vec<Point>], splits: Vec<Split>) {
+fn insert(rings: &mut [Vec<Point>], splits: &[Split]) {
     for group in splits.chunk_by(|a, b| a.0 == b.0) {
         let ring = &mut rings[group[0].0 as usize];
         let mut out = Vec::with_capacity(ring.len() + group.len());

@@ -21,8 +21,6 @@ use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath};
 pub(super) struct CityPlan {
     pub(super) land: Land,
     pub(super) parts: Vec<(String, Content)>,
-    /// Number of lots.
-    pub(super) lots: usize,
     pub(super) interchange: Interchange,
 }
 
@@ -40,7 +38,6 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     let modules = layout::modules(&grid, &land, city, reach + 40.0);
     let height = |p: DVec2| land.height_m(p);
     let mut parts = Vec::new();
-    let mut lots = 0;
     for module in &modules {
         let near = module_distance(module) < detail + 40.0;
         parts.push((format!("{}/streets", module.name), streets::local(module, params, near)));
@@ -51,7 +48,6 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
         }
         let wanted: Vec<&layout::Lot> =
             module.lots.iter().filter(|l| polygon::centroid(&l.outline).length() < reach).collect();
-        lots += wanted.len();
         let contents: Vec<Content> = wanted.par_iter().map(|l| lot::plan(params, l, &height)).collect();
         for (l, mut content) in wanted.into_iter().zip(contents) {
             let distance = polygon::centroid(&l.outline).length();
@@ -72,7 +68,7 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     }
     let plants = interchange.plants.iter().filter(|p| !roofed.near(p.at)).copied().collect();
     parts.push(("interchange".to_owned(), Content { plants, ..Content::default() }));
-    CityPlan { land, parts, lots, interchange }
+    CityPlan { land, parts, interchange }
 }
 
 /// Where the decks of an interchange are, for what must keep clear of their embankments.

@@ -40,7 +40,7 @@ pub(super) const LEVELS_M: [f64; 4] = [6.8, 14.2, 21.6, 29.0];
 /// Ramps leave and join at this distance from the freeway's middle, m.
 const BESIDE_M: f64 = HALF_M + RAMP_HALF_M + 0.15;
 /// The freeways end this far from the crossing, m.
-const REACH_M: f64 = 1500.0;
+const REACH_M: f64 = 2280.0;
 /// Points along a line stand this far apart, m.
 const STEP_M: f64 = 6.0;
 
@@ -130,16 +130,16 @@ impl<'a> Sweep<'a> {
                     slots[i],
                     &[
                         (corner(k, near[i]), uv(near[i], s)),
-                        (corner(k, near[j]), uv(near[j], s)),
                         (corner(k + 1, far[j]), uv(far[j], s + length)),
+                        (corner(k, near[j]), uv(near[j], s)),
                     ],
                 );
                 b.fan(
                     slots[i],
                     &[
                         (corner(k, near[i]), uv(near[i], s)),
-                        (corner(k + 1, far[j]), uv(far[j], s + length)),
                         (corner(k + 1, far[i]), uv(far[i], s + length)),
+                        (corner(k + 1, far[j]), uv(far[j], s + length)),
                     ],
                 );
             }

@@ -105,8 +105,8 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     let shift = slack * rng.range(0.2, 0.8);
     let (x0, x1) = (room.x[0] + shift, room.x[0] + shift + width);
     let front = room.y[0];
-    let main_depth = if two { rng.range(9.6, 12.2) } else { rng.range(10.6, 13.6) }.min(depth - 1.5);
-    let forward = if rng.chance(0.75) { rng.range(2.2, 6.0) } else { 0.0 }.min(depth - main_depth);
+    let main_depth = if two { rng.range(10.6, 13.2) } else { rng.range(12.2, 15.0) }.min(depth - 1.5);
+    let forward = if rng.chance(0.75) { rng.range(2.0, 5.0) } else { 0.0 }.min(depth - main_depth);
     let (m0, m1) = (front + forward, front + forward + main_depth);
     // One storey is 4.5 to 5.5 m high at its ridge, two are 7 to 8.5 m.
     let low_wall = rng.range(2.5, 2.85);
@@ -167,13 +167,13 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     // Rooms towards the garden.
     let mut rear = m1;
     let left_over = room.y[1] - m1;
-    let wings = if left_over > 2.6 { rng.weighted(&[0.07, 0.63, 0.3]) } else { 0 };
+    let wings = if left_over > 2.6 { rng.weighted(&[0.03, 0.65, 0.32]) } else { 0 };
     let first_left = rng.chance(0.5);
     for k in 0..wings {
         let at_left = (k == 0) == first_left;
-        let w = if wings == 2 { rng.range(0.3, 0.4) } else { rng.range(0.45, 0.66) } * width;
-        let w = w.clamp(3.8, 9.5);
-        let out = rng.range(3.2, 7.5).min(left_over);
+        let w = if wings == 2 { rng.range(0.3, 0.4) } else { rng.range(0.5, 0.74) } * width;
+        let w = w.clamp(3.8, 10.5);
+        let out = rng.range(3.6, 8.5).min(left_over);
         let (a, b) = if at_left { (x0, x0 + w) } else { (x1 - w, x1) };
         let start = if two {
             m1 - 1.6

@@ -129,7 +129,7 @@ fn interval(outline: &[DVec2], y: f64) -> Option<[f64; 2]> {
 }
 
 /// Side setback, m.
-const SIDE_M: f64 = 1.5;
+const SIDE_M: f64 = 1.35;
 
 /// Decides a lot.
 pub(super) fn plan(params: &Params, lot: &Lot, height_m: &dyn Fn(DVec2) -> f64) -> Content {
@@ -147,6 +147,14 @@ pub(super) fn plan(params: &Params, lot: &Lot, height_m: &dyn Fn(DVec2) -> f64) 
     };
     let mut rng = lot.key.child("house").rng();
     let built = if rng.unit() < params.density { house::house(&room, &mut rng) } else { None };
+    // Nothing of it may leave the lot.
+    let keeps = |m: &crate::kit::buildings::Mass| {
+        m.outline.iter().all(|p| polygon::contains(&local, *p) && polygon::border_distance(&local, *p) > 0.7)
+    };
+    let built = built.filter(|h| keeps(&h.masses[0])).map(|mut h| {
+        h.masses.retain(keeps);
+        h
+    });
     let Some(mut h) = built else {
         scatter(&frame, &inner, params, &[], &mut lot.key.child("trees").rng(), 3, &mut out);
         return out;
@@ -200,19 +208,20 @@ impl Looks {
 /// Where a house may stand, and the depth of the lot behind it.
 fn room(local: &[DVec2], bulge_m: f64, rng: &mut Rng) -> Option<(Room, f64)> {
     let deepest = local.iter().map(|p| p.y).fold(0.0, f64::max);
-    let mut front = bulge_m * 0.9 + if bulge_m > 0.0 { rng.range(4.0, 5.0) } else { rng.range(4.8, 6.3) };
+    let mut front = bulge_m * 0.9 + if bulge_m > 0.0 { rng.range(4.0, 5.0) } else { rng.range(4.6, 5.9) };
     for _ in 0..5 {
-        let rear = deepest - rng.range(4.6, 7.0);
-        let ys = [front, f64::midpoint(front, (front + 13.0).min(rear)), (front + 13.0).min(rear)];
+        let mut rear = deepest - rng.range(4.6, 6.2);
         let mut x = [f64::MIN, f64::MAX];
-        for y in ys {
+        for y in [front, front + 6.0, front + 12.0] {
             let [l, r] = interval(local, y)?;
             x = [x[0].max(l + SIDE_M), x[1].min(r - SIDE_M)];
         }
         // The rear corners of a skew lot may cut off the last rooms.
-        let back = interval(local, rear)?;
-        let rear = if back[0] + 0.8 > x[0] || back[1] - 0.8 < x[1] { front + 14.5 } else { rear };
-        if x[1] - x[0] > 10.5 && rear - front > 12.0 {
+        let holds = |y: f64| interval(local, y).is_some_and(|[l, r]| l + 0.9 < x[0] && r - 0.9 > x[1]);
+        while rear > front + 12.0 && !holds(rear) {
+            rear -= 0.5;
+        }
+        if x[1] - x[0] > 9.5 && rear - front > 11.5 {
             return Some((Room { x, y: [front, rear] }, deepest));
         }
         front += 2.5;
@@ -323,10 +332,10 @@ fn rear_yard(frame: &Frame, local: &[DVec2], h: &house::House, looks: &Looks, de
         }
     }
     let mut rng = lot.key.child("pool").rng();
-    let wanted = rng.chance(0.36);
+    let wanted = rng.chance(0.52);
     if wanted {
-        for _ in 0..14 {
-            let half = DVec2::new(rng.range(3.6, 5.0), rng.range(1.9, 2.5));
+        for _ in 0..40 {
+            let half = DVec2::new(rng.range(3.5, 4.8), rng.range(1.8, 2.4));
             let turned = rng.chance(0.3);
             let axis = if turned { DVec2::Y } else { DVec2::X };
             let reach = if turned { DVec2::new(half.y, half.x) } else { half };
@@ -486,11 +495,11 @@ fn gardens(
         _ => Plant::Palm,
     };
     let count = |rng: &mut Rng, mean: f64| libm::floor(mean * lush + rng.unit()) as u32;
-    for _ in 0..count(&mut rng, 1.25) {
+    for _ in 0..count(&mut rng, 1.6) {
         let plant = kind(&mut rng);
         put(&mut rng, [0.5, front], plant, 0.5 + 0.7 * lush.sqrt().min(1.4) * 0.8, 1.3, 0.8);
     }
-    for _ in 0..count(&mut rng, 4.4) {
+    for _ in 0..count(&mut rng, 6.2) {
         let plant = kind(&mut rng);
         let size = rng.range(0.65, 1.45);
         put(&mut rng, [f64::midpoint(front, rear), high.y], plant, size, 1.2, 0.7);

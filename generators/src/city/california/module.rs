@@ -59,7 +59,7 @@ pub(super) fn lay_out<'a>(
     let mut slabs = Vec::new();
     if let Some((usage, axis)) = usage_of(index, grid, city) {
         // Shops look at an arterial, schools and parks at a collector.
-        let wanted = if matches!(usage, SlabUse::Commercial | SlabUse::Junction) { 0 } else { 1 };
+        let wanted = i64::from(matches!(usage, SlabUse::School | SlabUse::Park));
         let far = (index[axis] + 1).rem_euclid(2) == wanted;
         let depth = match usage {
             SlabUse::Commercial => rng.range(82.0, 96.0),
@@ -101,7 +101,7 @@ pub(super) fn lay_out<'a>(
         [rng.signed() * 7.0, (6.0 + 5.0 * rng.unit()) * if rng.chance(0.5) { 1.0 } else { -1.0 }]
     };
     let sheet = Sheet { land, origin: low, swapped, size, bow_m };
-    let rows = libm::round(size.y / (2.0 * 29.8 + 2.0 * LOCAL_ROW_M)).max(1.0);
+    let rows = libm::round(size.y / (2.0 * 31.0 + 2.0 * LOCAL_ROW_M)).max(1.0);
     let mut layout = Layout {
         module: Module {
             key,
@@ -139,7 +139,7 @@ fn usage_of(index: [i64; 2], grid: &Grid, city: &SeedPath) -> Option<(SlabUse, u
     let mine = index[0].rem_euclid(2) + 2 * index[1].rem_euclid(2);
     if places[0] == mine {
         Some((SlabUse::Commercial, axes[0]))
-    } else if places[1] == mine {
+    } else if places[1] == mine && rng.chance(0.7) {
         Some((civic, axes[1]))
     } else {
         None
@@ -183,14 +183,14 @@ impl Layout<'_> {
             }
         }
         self.spine_street(rows, opens);
-        for side in 0..2 {
-            for k in 0..rows {
-                self.half_row(side, k, rows, ends[side][k], opens);
+        for (side, ends) in ends.iter().enumerate() {
+            for (k, end) in ends.iter().enumerate() {
+                self.half_row(side, k, rows, *end, opens);
             }
         }
-        for k in 0..rows {
-            let (left, right) = (self.row_end(0, k, ends[0][k]), self.row_end(1, k, ends[1][k]));
-            self.module.strips.push(Strip { from: left, to: right });
+        for (k, (left, right)) in ends[0].iter().zip(&ends[1]).enumerate() {
+            let (from, to) = (self.row_end(0, k, *left), self.row_end(1, k, *right));
+            self.module.strips.push(Strip { from, to });
         }
     }
 

@@ -155,7 +155,7 @@ impl Site<'_> {
 
     fn mall(&mut self) {
         let size = self.size();
-        let key = self.slab.key.clone();
+        let key = self.slab.key;
         let mut rng = key.rng();
         self.lay(Layer::Yard, &Self::rect(0.1, size.x - 0.1, 0.1, size.y - 0.1), slot::YARD_ASPHALT);
         self.lay(Layer::Front, &Self::rect(0.6, size.x - 0.6, 0.4, 5.0), slot::PARKWAY);
@@ -249,7 +249,7 @@ impl Site<'_> {
 
     fn school(&mut self) {
         let size = self.size();
-        let key = self.slab.key.clone();
+        let key = self.slab.key;
         let mut rng = key.rng();
         self.lay(Layer::Yard, &Self::rect(0.1, size.x - 0.1, 0.1, size.y - 0.1), slot::TURF);
         let half = size.x * rng.range(0.46, 0.56);
@@ -289,7 +289,7 @@ impl Site<'_> {
 
     fn park(&mut self) {
         let size = self.size();
-        let key = self.slab.key.clone();
+        let key = self.slab.key;
         let mut rng = key.rng();
         self.lay(Layer::Yard, &Self::rect(0.1, size.x - 0.1, 0.1, size.y - 0.1), slot::TURF);
         let courts = size.x * rng.range(0.2, 0.3);
@@ -327,7 +327,7 @@ impl Site<'_> {
     /// Open land below ramps, and a large shop with its parking where the ramps are far enough.
     fn junction(&mut self) {
         let size = self.size();
-        let key = self.slab.key.clone();
+        let key = self.slab.key;
         let mut rng = key.rng();
         // u by its distance from the interchange.
         let far = self.slab.junction_far;

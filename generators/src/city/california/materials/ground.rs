@@ -10,7 +10,7 @@ pub(super) fn materials(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     let blank = Material::diffuse("blank", Class::Ground, Bands::grey(0.2));
     let mut out = vec![blank; slot::COUNT];
     let mut put = |slot: u16, m: Material| out[slot as usize] = m;
-    put(slot::LAND, yard("open land", [0.1, 0.75], seed("land", 0)));
+    put(slot::LAND, open_land(seed("land", 0)));
     put(slot::KERB, concrete("kerb", Class::Ground, 0.3, 0.0, seed("kerb", 0)));
     put(slot::SIDEWALK, concrete("sidewalk", Class::Ground, 0.28, 1.5, seed("sidewalk", 0)));
     put(slot::PARKWAY, yard("parkway", [0.55, 0.2], seed("parkway", 0)));
@@ -106,6 +106,20 @@ fn yard(name: &str, [green, worn]: [f32; 2], seed: u32) -> Material {
     m.with(Layer::Mix { color: straw.lerp(faded, green * 0.7), amount: dry.times(0.8) })
         .with(Layer::Mix { color: bare, amount: trodden.times(0.3 + 0.55 * worn) })
         .with(Layer::Mix { color: lush.lerp(faded, 0.4), amount: tufts.times(0.6) })
+}
+
+/// Dry grass of last winter, thin and thick, with low scrub that is still green and with bare tracks.
+fn open_land(seed: u32) -> Material {
+    let straw = noise(seed ^ 0x61, 26.0, 4).ramp(-0.05, 0.35).times(0.75);
+    let scrub = Field::Product(vec![
+        noise(seed ^ 0x62, 38.0, 3).ramp(0.0, 0.3),
+        noise(seed ^ 0x63, 2.2, 3).ramp(0.0, 0.3).times(0.7),
+    ]);
+    let bare = noise(seed ^ 0x64, 13.0, 4).ramp(0.22, 0.45).times(0.7);
+    yard("open land", [0.12, 0.6], seed)
+        .with(Layer::Mix { color: bgr(0.12, 0.165, 0.2), amount: straw })
+        .with(Layer::Mix { color: Bands::new(0.045, 0.076, 0.064, 0.33), amount: scrub })
+        .with(Layer::Mix { color: bgr(0.15, 0.185, 0.22), amount: bare })
 }
 
 /// Mown grass of fields, in the bands of the mower.
