@@ -110,6 +110,11 @@ fn check(name: &str) {
 }
 
 #[test]
+fn california() {
+    check("california");
+}
+
+#[test]
 fn canyon() {
     check("canyon");
 }
@@ -148,11 +153,11 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "canyon", "coast", "desert", "field", "forest", "toronto"])
+        .args(["--exact", "california", "canyon", "coast", "desert", "field", "forest", "toronto"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()
         .expect("the test binary runs");
     let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success() && text.contains("6 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && text.contains("7 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
 }

@@ -1,3 +1,4 @@
 //! Cities: a plan first, triangles last.
 
+pub mod california;
 pub mod toronto;

@@ -7,9 +7,9 @@ mod assemble;
 mod blocks;
 mod houses;
 mod massing;
-mod materials;
-mod relief;
-mod traffic;
+pub(super) mod materials;
+pub(super) mod relief;
+pub(super) mod traffic;
 
 use crate::kit::streets::{CrossSection, Family, StreetPlan, family};
 use crate::{ParameterError, check_range};

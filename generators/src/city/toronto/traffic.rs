@@ -53,7 +53,7 @@ fn kerb_lanes(kind: u16) -> &'static [(f64, f64)] {
 }
 
 /// A body drawn by its share in traffic.
-pub(super) fn draw_body(rng: &mut Rng, heavy: bool) -> Body {
+pub(in crate::city) fn draw_body(rng: &mut Rng, heavy: bool) -> Body {
     let weights = if heavy {
         [0.27, 0.12, 0.32, 0.08, 0.07, 0.06, 0.04, 0.04]
     } else {

@@ -4,7 +4,7 @@
 //! no two surfaces show the same spots, and a brightness and tint of its own from the instance.
 
 mod book;
-mod surfaces;
+pub(in crate::city) mod surfaces;
 
 use super::massing::Kind;
 use crate::kit::buildings::slot;

@@ -4,23 +4,23 @@ use crate::kit::mesh_builder::{NOMINAL_BAY_M, NOMINAL_FLOOR_M};
 use satseed_scene::{Bands, Brdf, Class, Coordinate, Field, Fractal, Layer, Material, Space};
 
 /// A reflectance of red, green and blue.
-pub(super) fn bgr(b: f32, g: f32, r: f32) -> Bands {
+pub(in crate::city) fn bgr(b: f32, g: f32, r: f32) -> Bands {
     // Near infrared of built surfaces follows red.
     Bands::new(b, g, r, r * 1.1)
 }
 
 /// Noise of the world's places.
-pub(super) fn noise(seed: u32, wavelength_m: f32, octaves: u8) -> Field {
+pub(in crate::city) fn noise(seed: u32, wavelength_m: f32, octaves: u8) -> Field {
     Field::world_noise(seed, wavelength_m, octaves)
 }
 
 /// A layer that lightens and darkens.
-pub(super) fn brightness(amount: Field) -> Layer {
+pub(in crate::city) fn brightness(amount: Field) -> Layer {
     Layer::Brightness { amount }
 }
 
 /// Patches, streaks and grain, and the instance's own shade.
-pub(super) fn aged(m: Material, seed: u32, patch: f32, grain: f32) -> Material {
+pub(in crate::city) fn aged(m: Material, seed: u32, patch: f32, grain: f32) -> Material {
     m.with(brightness(noise(seed, 14.0, 2).times(patch)))
         .with(brightness(noise(seed ^ 0x51, 2.6, 2).times(patch * 0.8)))
         .with(brightness(noise(seed ^ 0xa7, 0.62, 1).times(grain)))
@@ -33,12 +33,12 @@ fn stripe(across: Coordinate, at: f32, width_m: f32) -> Field {
 }
 
 /// Stripes every `period_m`.
-pub(super) fn repeating(across: Coordinate, period_m: f32, width_m: f32, offset_m: f32) -> Field {
+pub(in crate::city) fn repeating(across: Coordinate, period_m: f32, width_m: f32, offset_m: f32) -> Field {
     Field::Stripes { across, period_m, width_m, offset_m }
 }
 
 /// Asphalt of an age 0..1.
-pub(super) fn asphalt(name: &str, age: f32, seed: u32) -> Material {
+pub(in crate::city) fn asphalt(name: &str, age: f32, seed: u32) -> Material {
     let base = bgr(0.055, 0.057, 0.06).lerp(bgr(0.125, 0.135, 0.145), age);
     let m = Material::diffuse(name, Class::Road, base).rough(0.4);
     // In products the cheap masks stand first: where they are zero nothing behind them is evaluated.
@@ -83,7 +83,7 @@ fn lines(kind: u16) -> Lines {
 }
 
 /// The part of a carriageway between two stop lines, with worn markings and the dark bands that traffic leaves.
-pub(super) fn road(kind: u16, age: u16, seed: u32) -> Material {
+pub(in crate::city) fn road(kind: u16, age: u16, seed: u32) -> Material {
     let l = lines(kind);
     let mut m = asphalt(&format!("road {kind} {age}"), [0.25, 0.65, 0.95][age as usize], seed);
     let oil: Vec<Field> = l.lanes.iter().map(|c| stripe(Coordinate::V, *c, 0.9)).collect();
@@ -108,7 +108,7 @@ pub(super) fn road(kind: u16, age: u16, seed: u32) -> Material {
 }
 
 /// Concrete slabs with joints every `joint_m` of their texture coordinates.
-pub(super) fn concrete(name: &str, class: Class, level: f32, joint_m: f32, seed: u32) -> Material {
+pub(in crate::city) fn concrete(name: &str, class: Class, level: f32, joint_m: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, class, bgr(0.8, 0.92, 1.0) * level).rough(0.3);
     let mut m = aged(m, seed, 0.12, 0.09);
     if joint_m > 0.0 {
@@ -124,7 +124,7 @@ pub(super) fn concrete(name: &str, class: Class, level: f32, joint_m: f32, seed:
 }
 
 /// Grass, more or less dry.
-pub(super) fn lawn(name: &str, dryness: f32, seed: u32) -> Material {
+pub(in crate::city) fn lawn(name: &str, dryness: f32, seed: u32) -> Material {
     let green = Bands::new(0.035, 0.075, 0.05, 0.35);
     let dry = Bands::new(0.075, 0.115, 0.12, 0.3);
     aged(Material::diffuse(name, Class::LowVegetation, green.lerp(dry, dryness)).rough(0.5), seed, 0.2, 0.14)
@@ -136,7 +136,7 @@ pub(super) fn lawn(name: &str, dryness: f32, seed: u32) -> Material {
 }
 
 /// A wall's own surface, without windows.
-pub(super) fn wall(name: &str, base: Bands, seed: u32) -> Material {
+pub(in crate::city) fn wall(name: &str, base: Bands, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Facade, base).rough(0.35);
     // Rain leaves vertical streaks.
     let streaks = Field::Noise(Fractal::new(Space::Plan, seed ^ 0x1f, 0.9, 2));
@@ -144,7 +144,7 @@ pub(super) fn wall(name: &str, base: Bands, seed: u32) -> Material {
 }
 
 /// Windows in a wall as texture: one to a bay and floor, each with a shade of its own, some with blinds.
-pub(super) fn with_windows(m: Material, width_m: f32, height_m: f32, seed: u32) -> Material {
+pub(in crate::city) fn with_windows(m: Material, width_m: f32, height_m: f32, seed: u32) -> Material {
     let (bay, floor) = (NOMINAL_BAY_M as f32, NOMINAL_FLOOR_M as f32);
     let mask = || {
         Field::Product(vec![
@@ -160,7 +160,7 @@ pub(super) fn with_windows(m: Material, width_m: f32, height_m: f32, seed: u32) 
 }
 
 /// Rows of windows between bands, floor by floor.
-pub(super) fn banded(m: Material, seed: u32) -> Material {
+pub(in crate::city) fn banded(m: Material, seed: u32) -> Material {
     let (bay, floor) = (NOMINAL_BAY_M as f32, NOMINAL_FLOOR_M as f32);
     let row = || {
         let panes = repeating(Coordinate::U, bay / 2.0, bay / 2.0 - 0.2, 0.1);
@@ -172,7 +172,7 @@ pub(super) fn banded(m: Material, seed: u32) -> Material {
 }
 
 /// Glazing of a facade: dark under a smooth coat, with mullions, blinds and a shade for every pane.
-pub(super) fn glass(name: &str, tint: Bands, mullion: Bands, panes: f32, blinds: f32, seed: u32) -> Material {
+pub(in crate::city) fn glass(name: &str, tint: Bands, mullion: Bands, panes: f32, blinds: f32, seed: u32) -> Material {
     let (bay, floor) = (NOMINAL_BAY_M as f32, NOMINAL_FLOOR_M as f32);
     let pane = bay / panes;
     let cells =
@@ -190,7 +190,7 @@ pub(super) fn glass(name: &str, tint: Bands, mullion: Bands, panes: f32, blinds:
 }
 
 /// A flat roof's covering in strips, renewed part by part, with repairs, ponding, stains and grain.
-pub(super) fn membrane(name: &str, base: Bands, strip_m: f32, stain: f32, seed: u32) -> Material {
+pub(in crate::city) fn membrane(name: &str, base: Bands, strip_m: f32, stain: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Roof, base).rough(0.35);
     let mut m = aged(m, seed, 0.1, 0.09);
     let along = Coordinate { space: Space::Object, axis: (seed & 1) as u8 };
@@ -235,7 +235,7 @@ pub(super) fn membrane(name: &str, base: Bands, strip_m: f32, stain: f32, seed: 
 }
 
 /// Sheet metal with rust and stains.
-pub(super) fn metal(name: &str, level: f32, seed: u32) -> Material {
+pub(in crate::city) fn metal(name: &str, level: f32, seed: u32) -> Material {
     let m = Material::diffuse(name, Class::Roof, bgr(0.95, 0.98, 1.0) * level).rough(0.2);
     aged(m, seed, 0.08, 0.08).with(brightness(noise(seed ^ 0x33, 1.1, 3).ramp(0.2, 0.6).times(-0.3)))
 }
