@@ -15,7 +15,7 @@ mod parameters;
 
 pub use parameters::{ParameterError, check_range};
 
-use city::toronto;
+use city::{toronto, venice};
 use satseed_scene::{Scene, SeedPath};
 use serde::{Deserialize, Serialize};
 
@@ -120,4 +120,5 @@ registry! {
     Field, field, "field";
     Forest, forest, "forest";
     Coast, coast, "coast";
+    Venice, venice, "venice";
 }

@@ -22,6 +22,7 @@ pub const PRESETS: &[Preset] = &[
     Preset { name: "field", text: include_str!("../../presets/field.toml") },
     Preset { name: "forest", text: include_str!("../../presets/forest.toml") },
     Preset { name: "coast", text: include_str!("../../presets/coast.toml") },
+    Preset { name: "venice", text: include_str!("../../presets/venice.toml") },
 ];
 
 impl Preset {

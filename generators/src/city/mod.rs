@@ -1,3 +1,4 @@
 //! Cities: a plan first, triangles last.
 
 pub mod toronto;
+pub mod venice;
