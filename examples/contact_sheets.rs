@@ -10,6 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
+use satseed_generators::city::venice;
 use satseed_generators::{Region, coast, desert, field, forest};
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
@@ -30,7 +31,7 @@ fn main() -> anyhow::Result<()> {
         let mut region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
         let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
         for seed in SEEDS {
-            // A sheet shows all kinds of dunes, fields, forests and coasts.
+            // A sheet shows all kinds of dunes, fields, forests, coasts and cities.
             let turn = seed as usize % 3;
             match &mut region {
                 Region::Desert(p) => {
@@ -44,6 +45,10 @@ fn main() -> anyhow::Result<()> {
                 Region::Coast(p) => {
                     use coast::Variant::{Beach, Cliff};
                     p.variant = [Beach, Cliff][seed as usize % 2];
+                }
+                Region::Venice(p) => {
+                    use venice::Variant::{Canal, Dense};
+                    p.variant = [Dense, Canal][seed as usize % 2];
                 }
                 Region::Field(p) => {
                     use field::Variant::{European, Pivot};

@@ -139,6 +139,11 @@ fn toronto() {
     check("toronto");
 }
 
+#[test]
+fn venice() {
+    check("venice");
+}
+
 /// The platform's libm picks other code on processors without FMA; ours must not notice. The masked run is this test
 /// binary again, against the same files.
 #[test]
@@ -148,7 +153,7 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "canyon", "coast", "desert", "field", "forest", "toronto"])
+        .args(["--exact", "canyon", "coast", "desert", "field", "forest", "toronto", "venice"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()

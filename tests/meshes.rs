@@ -227,3 +227,9 @@ fn full_forests_are_whole() {
 fn full_coasts_are_whole() {
     full_region("coast");
 }
+
+#[test]
+#[ignore = "long: 5 * 10^7 rays at regions of full size"]
+fn full_venices_are_whole() {
+    full_region("venice");
+}

@@ -74,12 +74,15 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     let plans: Vec<IslePlan> = isles
         .par_iter()
         .zip(&shores)
-        .filter(|(_, shore)| shore.outline.iter().any(|p| p.length() < reach_m) || polygon::contains(&shore.outline, DVec2::ZERO))
+        .filter(|(_, shore)| {
+            shore.outline.iter().any(|p| p.length() < reach_m) || polygon::contains(&shore.outline, DVec2::ZERO)
+        })
         .map(|(isle, shore)| {
             let path = city.child("isle").index(isle.key);
             let fabric = fabric::fill(isle, params.density, &path);
             let houses = fabric.lots.iter().filter_map(|lot| houses::house(lot, &lie, city)).collect();
-            let opens = fabric.opens.iter().filter_map(|(piece, open, name)| opened(piece, *open, name, &lie)).collect();
+            let opens =
+                fabric.opens.iter().filter_map(|(piece, open, name)| opened(piece, *open, name, &lie)).collect();
             let church = fabric
                 .church
                 .as_ref()
@@ -198,7 +201,8 @@ pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Sce
 }
 
 fn buildings(a: &mut Assembly<'_>, full_m: f64, plan: &CityPlan) {
-    let all: Vec<&House> = plan.isles.iter().flat_map(|i| &i.houses).filter(|h| h.centre_m.length() < full_m + RING_M).collect();
+    let all: Vec<&House> =
+        plan.isles.iter().flat_map(|i| &i.houses).filter(|h| h.centre_m.length() < full_m + RING_M).collect();
     let meshes: Vec<Mesh> = all.par_iter().map(|h| house_mesh::mesh(h, h.centre_m.length() < full_m)).collect();
     for (house, mesh) in all.into_iter().zip(meshes) {
         let set = a.materials.house_set(&a.city.child(&house.name));
@@ -222,12 +226,18 @@ fn bridges_of(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
         let mesh = a.mesh(bridges::mesh(span));
         let ends = [-1.0, 1.0].map(|s| plan.lie.paving_m(span.centre_m + span.axis * (s * (span.span_m / 2.0 + 2.0))));
         let z = f64::from(quantise_m(ends[0].min(ends[1])));
-        a.add(mesh, placed(span.centre_m.extend(z), span.axis, 1.0), (format!("bridge/{}", span.key), Class::Bridge), set);
+        a.add(
+            mesh,
+            placed(span.centre_m.extend(z), span.axis, 1.0),
+            (format!("bridge/{}", span.key), Class::Bridge),
+            set,
+        );
     }
 }
 
 fn boats_of(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan, full_m: f64) {
-    let meshes: Vec<u32> = Boat::ALL.iter().map(|b| b.mesh()).collect::<Vec<_>>().into_iter().map(|m| a.mesh(m)).collect();
+    let meshes: Vec<u32> =
+        Boat::ALL.iter().map(|b| b.mesh()).collect::<Vec<_>>().into_iter().map(|m| a.mesh(m)).collect();
     // Shores that boats near the detail can meet.
     let near: Vec<Shore> = plan
         .shores
@@ -261,7 +271,8 @@ fn boats_of(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan, full_m: f64)
 
 /// Things in their places.
 fn stand(a: &mut Assembly<'_>, things: Vec<Placed>, full_m: f64, height_m: &dyn Fn(DVec2) -> f64) {
-    let meshes: Vec<u32> = Thing::ALL.iter().map(|t| t.mesh()).collect::<Vec<_>>().into_iter().map(|m| a.mesh(m)).collect();
+    let meshes: Vec<u32> =
+        Thing::ALL.iter().map(|t| t.mesh()).collect::<Vec<_>>().into_iter().map(|m| a.mesh(m)).collect();
     for placed_thing in things {
         if placed_thing.at.length() > full_m {
             continue;
@@ -280,14 +291,16 @@ fn open_ground(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan, full_m: f
     let mut grown = Vec::new();
     for (k, species) in trees::SPECIES.iter().enumerate() {
         let path = a.city.child("tree kind").index(k as u64);
-        let meshes: Vec<Mesh> = (0..INDIVIDUALS).into_par_iter().map(|n| trees::tree(species, &path.index(n))).collect();
+        let meshes: Vec<Mesh> =
+            (0..INDIVIDUALS).into_par_iter().map(|n| trees::tree(species, &path.index(n))).collect();
         let indices: Vec<u32> = meshes.into_iter().map(|m| a.mesh(m)).collect();
         grown.push(indices);
     }
     let sets: Vec<u32> = (0..trees::SPECIES.len()).map(|k| a.materials.tree_set(k)).collect();
     let mut standing = Vec::new();
     for isle in &plan.isles {
-        let church = isle.church.as_ref().map(|c| polygon::oriented_rectangle(c.centre_m, c.axis, c.half_m + DVec2::splat(2.0)));
+        let church =
+            isle.church.as_ref().map(|c| polygon::oriented_rectangle(c.centre_m, c.axis, c.half_m + DVec2::splat(2.0)));
         let free = |p: DVec2| church.as_ref().is_none_or(|c| !polygon::contains(c, p));
         for (outline, open, name) in &isle.opens {
             if polygon::centroid(outline).length() > full_m {

@@ -149,7 +149,10 @@ fn strip(
     let (x0, x1) = (xs[0], xs[xs.len() - 1]);
     for (x, ya, yb) in [(x0, y1, y0), (x1, y0, y1)] {
         let (l, h) = (low(x), high(x));
-        b.fan(side, &[uv(at(x, ya, l), ya, l), uv(at(x, yb, l), yb, l), uv(at(x, yb, h), yb, h), uv(at(x, ya, h), ya, h)]);
+        b.fan(
+            side,
+            &[uv(at(x, ya, l), ya, l), uv(at(x, yb, l), yb, l), uv(at(x, yb, h), yb, h), uv(at(x, ya, h), ya, h)],
+        );
     }
 }
 
@@ -161,8 +164,7 @@ mod tests {
     #[test]
     fn bridges_are_closed_and_leave_air() {
         for (span_m, crown_m) in [(4.2, 1.8), (7.5, 2.4), (13.0, 2.5)] {
-            let span =
-                Span { centre_m: DVec2::ZERO, axis: DVec2::X, span_m, width_m: 2.8, crown_m, key: 0 };
+            let span = Span { centre_m: DVec2::ZERO, axis: DVec2::X, span_m, width_m: 2.8, crown_m, key: 0 };
             let m = mesh(&span);
             assert_eq!((m.validate(), open_edges(&m)), (Ok(()), 0));
             let air = span.arch_m(0.0) - WATER_M;

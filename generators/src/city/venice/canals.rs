@@ -3,8 +3,8 @@
 //! Everything here is in the plan's straight frame. The whole city is cut, whatever part of it is built, so that a small
 //! scene is a part of the large one.
 
-use super::piece::{Piece, Side};
 use super::Variant;
+use super::piece::{Piece, Side};
 use crate::kit::polygon;
 use glam::DVec2;
 use satseed_scene::SeedPath;
@@ -113,6 +113,17 @@ impl Grand {
     }
 }
 
+/// Whether the campo of a piece's surroundings has its place yet.
+#[derive(Clone, Copy)]
+enum Parish {
+    /// The piece is larger than a parish.
+    Larger,
+    /// The campo shall be here.
+    Here(DVec2),
+    /// The campo is elsewhere.
+    Elsewhere,
+}
+
 struct Cutter<'a> {
     city: &'a SeedPath,
     grand: Option<Grand>,
@@ -127,21 +138,24 @@ pub(super) fn cut(variant: Variant, city: &SeedPath) -> Canals {
     let mut cutter = Cutter { city, grand, isles: Vec::new(), cuts: Vec::new() };
     let (sin, cos) = libm::sincos(city.child("turn").rng().range(0.0, core::f64::consts::TAU));
     let square = polygon::oriented_rectangle(DVec2::ZERO, DVec2::new(cos, sin), DVec2::splat(HALF_M));
-    cutter.halve(Piece::new(square, Side::Water), 1, None);
+    cutter.halve(Piece::new(square, Side::Water), 1, Parish::Larger);
     let bridges = cutter.bridges();
     Canals { isles: cutter.isles, bridges }
 }
 
 impl Cutter<'_> {
-    /// Halves a piece until it is an island. `square`: where its campo shall be.
-    fn halve(&mut self, piece: Piece, key: u64, square: Option<DVec2>) {
+    /// Halves a piece until it is an island.
+    fn halve(&mut self, piece: Piece, key: u64, parish: Parish) {
         let mut rng = self.city.child("cut").index(key).rng();
         let area = piece.area();
-        let square = square.or((area < PARISH_M2).then(|| piece.centre()));
+        let parish = match parish {
+            Parish::Larger if area < PARISH_M2 => Parish::Here(piece.centre()),
+            other => other,
+        };
         let (axis, length_m, width_m) = piece.long_axis();
-        let wanted = rng.lognormal(9_200.0, 0.36).clamp(4_600.0, 19_000.0);
+        let wanted = rng.lognormal(12_200.0, 0.38).clamp(6_000.0, 27_000.0);
         if area < wanted || length_m < 70.0 {
-            self.leaf(piece, key, square);
+            self.leaf(&piece, key, parish);
             return;
         }
         // Across the longer axis, seldom squarely; the largest pieces are cut by the longest canals.
@@ -159,19 +173,25 @@ impl Cutter<'_> {
         if let Some(line) = chord(&piece, on, along) {
             self.cuts.push((line, canal_m, key));
         }
-        for (part, key) in piece.cut(on, along, canal_m, Side::Water).into_iter().zip([2 * key, 2 * key + 1]) {
+        let left = along.perp();
+        for (k, part) in (0..).zip(piece.cut(on, along, canal_m, Side::Water)) {
             if let Some(part) = part {
-                let square = square.filter(|s| part.contains(*s) || part.border_distance(*s) < canal_m);
-                self.halve(part, key, square);
+                let parish = match parish {
+                    // Left of the cut is the first part.
+                    Parish::Here(at) if ((at - on).dot(left) > 0.0) != (k == 0) => Parish::Elsewhere,
+                    other => other,
+                };
+                self.halve(part, 2 * key + k, parish);
             }
         }
     }
 
-    fn leaf(&mut self, piece: Piece, key: u64, square: Option<DVec2>) {
-        let parts = self.grand.as_ref().map_or_else(|| vec![piece.clone()], |grand| grand.banks(&piece));
+    fn leaf(&mut self, piece: &Piece, key: u64, parish: Parish) {
+        let parts = self.grand.as_ref().map_or_else(|| vec![piece.clone()], |grand| grand.banks(piece));
         let largest = parts.iter().map(Piece::area).fold(0.0, f64::max);
         for (k, piece) in (0..).zip(parts) {
-            let campo = square.is_some() && piece.area() == largest && largest > 4200.0;
+            let campo = matches!(parish, Parish::Here(_)) && piece.area() == largest && largest > 4200.0;
+            let piece = piece.without_short_sides(2.0);
             self.isles.push(Isle { piece, key: 2 * key + k, campo, landings: Vec::new() });
         }
     }
@@ -184,7 +204,7 @@ impl Cutter<'_> {
             let along = (line[1] - line[0]).normalize();
             let length_m = line[0].distance(line[1]);
             let mut rng = path.rng();
-            let count = libm::floor(length_m / 215.0 + rng.range(0.15, 1.0)) as u64;
+            let count = libm::floor(length_m / 390.0 + rng.range(0.0, 0.85)) as u64;
             for k in 0..count {
                 let mut rng = path.index(k).rng();
                 for _ in 0..8 {
@@ -238,4 +258,3 @@ fn chord(piece: &Piece, on: DVec2, along: DVec2) -> Option<[DVec2; 2]> {
         .collect();
     (ends.len() == 2).then(|| [ends[0], ends[1]])
 }
-

@@ -38,18 +38,31 @@ pub(super) fn plan(ground: &Piece, chief: bool, lie: &Lie, path: &SeedPath) -> O
     let mut rng = path.rng();
     let n = outline.len();
     let front = sides.iter().position(|s| *s == Side::Campo)?;
-    let axis = -(outline[(front + 1) % n] - outline[front]).normalize().perp();
+    let towards = -(outline[(front + 1) % n] - outline[front]).normalize().perp();
     let centre = polygon::centroid(&outline);
     let piece = Piece::new(outline.clone(), Side::Campo);
-    let reach = |d: DVec2| {
-        let [low, high] = piece.extent(d);
-        (high - low) / 2.0
-    };
-    let whole = DVec2::new((reach(axis) * 0.95).min(27.0), (reach(axis.perp()) * 0.9).min(14.0));
-    let half_m = (0..14).map(|k| whole * (1.0 - 0.05 * f64::from(k))).find(|half| {
-        let rect = polygon::oriented_rectangle(centre, axis, *half);
+    let fits = |axis: DVec2, half: DVec2| {
+        let rect = polygon::subdivided(&polygon::oriented_rectangle(centre, axis, half), 6.0);
         rect.iter().all(|p| polygon::contains(&outline, *p) && polygon::border_distance(&outline, *p) > 0.4)
-    })?;
+    };
+    // The largest of some shapes that fit, its front or its flank to the campo.
+    let flank = if rng.chance(0.5) { towards.perp() } else { -towards.perp() };
+    let mut best: Option<(DVec2, DVec2)> = None;
+    for (axis, least) in [(towards, 1.0), (flank, 1.15)] {
+        let reach = |d: DVec2| {
+            let [low, high] = piece.extent(d);
+            (high - low) / 2.0
+        };
+        let whole = DVec2::new(reach(axis).min(28.0), reach(axis.perp()).min(14.0));
+        for k in 0..169 {
+            let half = whole * DVec2::new(1.0 - 0.05 * f64::from(k / 13), 1.0 - 0.05 * f64::from(k % 13));
+            let larger = best.is_none_or(|(_, b)| half.x * half.y > b.x * b.y * least);
+            if half.x > 1.25 * half.y && larger && fits(axis, half) {
+                best = Some((axis, half));
+            }
+        }
+    }
+    let (axis, half_m) = best?;
     if half_m.min_element() < 4.0 {
         return None;
     }
@@ -106,7 +119,14 @@ pub(super) fn mesh(church: &Church) -> Mesh {
     // Facade: a high middle with a stepped top, columns before it, a door.
     b.prism(slot::STONE, slot::STONE, &rect(l - 0.9, l, -nave_w - 0.3, nave_w + 0.3), low, h + 0.7, Wall::PLAIN);
     b.prism(slot::STONE, slot::STONE, &rect(l - 0.85, l - 0.05, -nave_w * 0.62, nave_w * 0.62), h, ridge, Wall::PLAIN);
-    b.prism(slot::STONE, slot::STONE, &rect(l - 0.8, l - 0.1, -nave_w * 0.25, nave_w * 0.25), h, ridge + 1.3, Wall::PLAIN);
+    b.prism(
+        slot::STONE,
+        slot::STONE,
+        &rect(l - 0.8, l - 0.1, -nave_w * 0.25, nave_w * 0.25),
+        h,
+        ridge + 1.3,
+        Wall::PLAIN,
+    );
     for k in [-0.85, -0.42, 0.42, 0.85] {
         b.block(slot::STONE, slot::STONE, DVec2::new(l, k * nave_w), DVec2::X, DVec2::new(0.22, 0.35), low, h - 0.4);
     }

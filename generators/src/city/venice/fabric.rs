@@ -85,7 +85,7 @@ pub(super) fn fill(isle: &Isle, density: f64, path: &SeedPath) -> Fabric {
 
 /// A calle's width, m: lognormal about the median of the city's, with a few salizade.
 fn calle_m(rng: &mut Rng) -> f64 {
-    rng.lognormal(2.25, 0.34).clamp(1.0, 5.0)
+    rng.lognormal(2.15, 0.34).clamp(1.0, 5.0)
 }
 
 impl Filler<'_> {
@@ -97,14 +97,11 @@ impl Filler<'_> {
         let mut rng = self.path.child("calle").index(key).rng();
         let area = piece.area();
         landings.retain(|l| piece.border_distance(l.at) < 6.0);
-        if let Some(at) = square
-            && area < 6_200.0
-            && landings.is_empty()
-        {
-            self.campo(&piece, key, at);
+        if square.is_some() && area < 4_600.0 && landings.is_empty() {
+            self.campo(&piece, key);
             return;
         }
-        let wanted = rng.lognormal(900.0, 0.42).clamp(380.0, 2_300.0);
+        let wanted = rng.lognormal(980.0, 0.42).clamp(420.0, 2_400.0);
         if (area < wanted && landings.is_empty() && square.is_none()) || area < 240.0 {
             self.block(&piece, key);
             return;
@@ -127,30 +124,30 @@ impl Filler<'_> {
         // The campo lies in the part that holds its place, or in the larger one when a calle took that.
         let holds = |p: &Option<Piece>, at: DVec2| p.as_ref().is_some_and(|p| p.contains(at));
         let size = |p: &Option<Piece>| p.as_ref().map_or(0.0, Piece::area);
-        let first = square.map(|at| holds(&parts[0], at) || (!holds(&parts[1], at) && size(&parts[0]) > size(&parts[1])));
+        let first =
+            square.map(|at| holds(&parts[0], at) || (!holds(&parts[1], at) && size(&parts[0]) > size(&parts[1])));
         for (k, part) in (0..2_u64).zip(parts) {
             if let Some(part) = part {
-                let square = square.filter(|_| first == Some(k == 0)).map(|at| {
-                    if part.contains(at) { at } else { part.centre() }
-                });
+                let square = square
+                    .filter(|_| first == Some(k == 0))
+                    .map(|at| if part.contains(at) { at } else { part.centre() });
                 self.divide(part, 2 * key + k, square, landings.clone());
             }
         }
     }
 
     /// A campo, houses on one of its sides if it is long, and the ground of the church.
-    fn campo(&mut self, piece: &Piece, key: u64, _at: DVec2) {
+    fn campo(&mut self, piece: &Piece, key: u64) {
         let mut rng = self.path.child("campo").rng();
         let (axis, length_m, _) = piece.long_axis();
         let [low, _] = piece.extent(axis);
         let centre = piece.centre();
         let at = |share: f64| centre + axis * (low + length_m * share - centre.dot(axis));
-        let church = rng.range(0.30, 0.40);
+        let church = rng.range(0.34, 0.44);
         let area = piece.area();
         // What is more than a campo of its size needs is built on.
-        let open = (rng.range(1_500.0, 2_500.0) / area).clamp(0.28, 1.0 - church);
+        let open = (rng.range(1_200.0, 2_300.0) / area).clamp(0.28, 1.0 - church);
         let [rest, church_ground] = piece.cut(at(church), axis.perp(), 0.0, Side::Campo);
-        let (church_ground, rest) = (church_ground, rest);
         let is_low = |p: &Piece| p.centre().dot(axis) < at(church).dot(axis);
         let (church_ground, rest) = match (church_ground, rest) {
             (Some(a), Some(b)) if is_low(&a) => (a, b),
@@ -196,8 +193,7 @@ impl Filler<'_> {
             let band_m = rng.range(4.2, 7.6) + (width_m - 24.0).max(0.0) * 0.16;
             let [low, _] = piece.extent(axis.perp());
             let centre = piece.centre();
-            let middle = centre
-                + axis.perp() * (low + width_m * rng.range(0.43, 0.57) - centre.dot(axis.perp()));
+            let middle = centre + axis.perp() * (low + width_m * rng.range(0.43, 0.57) - centre.dot(axis.perp()));
             let left = axis.perp() * (band_m / 2.0);
             for row in piece.cut(middle, axis, band_m, Side::Court).into_iter().flatten() {
                 self.row(&row, axis, block_m, &path, key, &mut k);
@@ -239,7 +235,7 @@ impl Filler<'_> {
                 rest = Some(second);
             }
             // A deep lot has a light court behind its house.
-            if depth_m > 15.0 && lot.area() > 150.0 && rng.chance(0.34 * (2.0 - self.density)) {
+            if depth_m > 15.0 && lot.area() > 150.0 && rng.chance(0.27 * (2.0 - self.density)) {
                 self.with_court(&lot, axis, block_m, key, *k, &mut rng);
             } else {
                 self.lot(lot, Use::House, block_m, key, *k);
@@ -297,7 +293,7 @@ impl Filler<'_> {
             }
             // Streets are closed by buildings, so courts lie inside.
             let outside = cell.sides.iter().any(|s| !matches!(s, Side::Party | Side::Court));
-            let open = if outside { 0.12 } else { 0.66 };
+            let open = if outside { 0.10 } else { 0.56 };
             if rng.chance(open * (2.0 - self.density)) {
                 let green = cell.area() > 45.0 && rng.chance(0.3);
                 let (open, what) = if green { (Open::Garden, "garden") } else { (Open::Court, "court") };

@@ -224,15 +224,7 @@ fn on_tiles(b: &mut MeshBuilder, item: &Item, roof: &Roof) {
         Item::Mast { at, over_m } => {
             let z = roof.height_m(at);
             b.limb(slot::METAL, at.extend(z - 0.3), at.extend(z + over_m), [0.03, 0.03], 4);
-            b.block(
-                slot::METAL,
-                slot::METAL,
-                at,
-                DVec2::X,
-                DVec2::new(0.5, 0.03),
-                z + over_m - 0.3,
-                z + over_m - 0.22,
-            );
+            b.block(slot::METAL, slot::METAL, at, DVec2::X, DVec2::new(0.5, 0.03), z + over_m - 0.3, z + over_m - 0.22);
         }
         Item::Box { .. } => {}
     }

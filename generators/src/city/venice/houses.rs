@@ -66,6 +66,7 @@ pub(super) struct House {
 
 impl House {
     /// Its outline in the world.
+    #[cfg(test)]
     pub(super) fn world_outline(&self) -> Vec<DVec2> {
         self.outline.iter().map(|p| self.centre_m + *p).collect()
     }
@@ -78,7 +79,8 @@ impl House {
 
 /// A piece's corners in the world, without those at which the outline is all but straight or turns inward.
 pub(super) fn bent(piece: &Piece, lie: &Lie) -> Option<(Vec<DVec2>, Vec<Side>)> {
-    let mut corners: Vec<(DVec2, Side)> = piece.corners.iter().map(|p| lie.world(*p)).zip(piece.sides.iter().copied()).collect();
+    let mut corners: Vec<(DVec2, Side)> =
+        piece.corners.iter().map(|p| lie.world(*p)).zip(piece.sides.iter().copied()).collect();
     loop {
         let n = corners.len();
         if n < 3 {
@@ -237,7 +239,8 @@ fn furnish(house: &mut House, axis: DVec2, [length_m, width_m]: [f64; 2], path: 
                     items.push(Item::Altana { at, axis, half_m, deck_m });
                 }
             }
-            let dormers = if house.used == Use::House && width_m > 6.0 && rng.chance(0.33) { 1 + rng.below(2) } else { 0 };
+            let dormers =
+                if house.used == Use::House && width_m > 6.0 && rng.chance(0.33) { 1 + rng.below(2) } else { 0 };
             for _ in 0..dormers {
                 let (half_m, front_m) = (rng.range(0.65, 1.15), rng.range(1.1, 1.7));
                 let depth_m = front_m * 2.1;

@@ -41,7 +41,8 @@ impl Lie {
 
     /// Height of the paving at a place of the world, m.
     pub(super) fn paving_m(&self, p: DVec2) -> f64 {
-        let swell = fractal(p, self.seed ^ 0x9e1, 85.0, 2, 0.5) * 0.35 + fractal(p, self.seed ^ 0x77, 21.0, 1, 0.5) * 0.08;
+        let swell =
+            fractal(p, self.seed ^ 0x9e1, 85.0, 2, 0.5) * 0.35 + fractal(p, self.seed ^ 0x77, 21.0, 1, 0.5) * 0.08;
         swell.clamp(-SWELL_M, SWELL_M)
     }
 }

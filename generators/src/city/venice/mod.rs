@@ -113,3 +113,6 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let city = path.child(params.variant());
     assemble::assemble(params, &assemble::plan(params, &city), &city)
 }
+
+#[cfg(test)]
+mod tests;

@@ -47,9 +47,9 @@ const FAR_M: f64 = 60.0;
 impl Waters<'_> {
     /// The island on which a place lies.
     fn isle_at(&self, p: DVec2) -> Option<&Shore> {
-        self.shores.iter().find(|s| {
-            p.cmpge(s.bounds.0).all() && p.cmple(s.bounds.1).all() && polygon::contains(&s.outline, p)
-        })
+        self.shores
+            .iter()
+            .find(|s| p.cmpge(s.bounds.0).all() && p.cmple(s.bounds.1).all() && polygon::contains(&s.outline, p))
     }
 
     /// Distance to the opposite shore, m, and that island's number.

@@ -109,10 +109,7 @@ impl Piece {
     /// Both parts of a cut along a line, `gap_m` apart: left of the line, and right of it.
     pub(super) fn cut(&self, on: DVec2, along: DVec2, gap_m: f64, side: Side) -> [Option<Self>; 2] {
         let left = along.perp();
-        [
-            self.clipped(on + left * (gap_m / 2.0), left, side),
-            self.clipped(on - left * (gap_m / 2.0), -left, side),
-        ]
+        [self.clipped(on + left * (gap_m / 2.0), left, side), self.clipped(on - left * (gap_m / 2.0), -left, side)]
     }
 
     /// Every side moved inward by what `inset` gives for its index and renamed.
@@ -126,6 +123,19 @@ impl Piece {
             out = out.clipped(a + inward * distance_m, inward, side)?;
         }
         Some(out)
+    }
+
+    /// Without sides shorter than a length, m: the corner at their end goes.
+    pub(super) fn without_short_sides(&self, shortest_m: f64) -> Self {
+        let mut out = self.clone();
+        while out.corners.len() > 3 {
+            let n = out.corners.len();
+            let short = (0..n).find(|i| out.corners[*i].distance(out.corners[(*i + 1) % n]) < shortest_m);
+            let Some(i) = short else { break };
+            out.corners.remove((i + 1) % n);
+            out.sides.remove(i);
+        }
+        out
     }
 
     /// Distance of a point to the border, m.

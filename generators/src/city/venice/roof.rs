@@ -77,9 +77,7 @@ impl Roof {
                     continue;
                 }
                 // Where plane j lies above plane i.
-                let over = |p: DVec2| {
-                    (p - other_on).dot(other_inward) * other_slope - (p - on).dot(inward) * slope
-                };
+                let over = |p: DVec2| (p - other_on).dot(other_inward) * other_slope - (p - on).dot(inward) * slope;
                 face = clip(&face, over);
                 if face.len() < 3 {
                     break;

@@ -75,7 +75,13 @@ impl Thing {
                 for k in 0..3 {
                     let (s, c) = libm::sincos(core::f64::consts::TAU * f64::from(k) / 3.0);
                     let d = DVec3::new(c, s, 0.0);
-                    b.limb(BODY, d * 0.65 - DVec3::Z * 1.5, d * 0.16 + DVec3::Z * (2.4 + 0.5 * f64::from(k == 0)), [0.16, 0.14], 6);
+                    b.limb(
+                        BODY,
+                        d * 0.65 - DVec3::Z * 1.5,
+                        d * 0.16 + DVec3::Z * (2.4 + 0.5 * f64::from(k == 0)),
+                        [0.16, 0.14],
+                        6,
+                    );
                 }
             }
             Self::Pile => b.limb(BODY, DVec3::new(0.0, 0.0, -1.5), DVec3::new(0.03, 0.05, 2.1), [0.12, 0.1], 6),
@@ -105,7 +111,13 @@ fn direction(rng: &mut Rng) -> DVec2 {
 }
 
 /// Things and trees of a piece of open ground. `trees` is a factor on the number of trees.
-pub(super) fn furnish(outline: &[DVec2], open: Open, trees: f64, name: &str, city: &SeedPath) -> (Vec<Placed>, Vec<(DVec2, f64, String)>) {
+pub(super) fn furnish(
+    outline: &[DVec2],
+    open: Open,
+    trees: f64,
+    name: &str,
+    city: &SeedPath,
+) -> (Vec<Placed>, Vec<(DVec2, f64, String)>) {
     let path = city.child(name);
     let area = polygon::area(outline);
     let (low, high) = polygon::bounds(outline);
@@ -133,7 +145,10 @@ pub(super) fn furnish(outline: &[DVec2], open: Open, trees: f64, name: &str, cit
                 if let Some(at) = somewhere(&mut rng, 5.0) {
                     for (x, y) in (0..4).flat_map(|x| (0..2).map(move |y| (f64::from(x), f64::from(y)))) {
                         let p = at + axis * (x * 3.3 - 5.0) + axis.perp() * (y * 3.2);
-                        if polygon::contains(outline, p) && polygon::border_distance(outline, p) > 2.2 && rng.chance(0.8) {
+                        if polygon::contains(outline, p)
+                            && polygon::border_distance(outline, p) > 2.2
+                            && rng.chance(0.8)
+                        {
                             put(Thing::Parasol, p, axis, cloth);
                         }
                     }
@@ -155,7 +170,7 @@ pub(super) fn furnish(outline: &[DVec2], open: Open, trees: f64, name: &str, cit
                 }
             }
         }
-        for _ in 0..(area / 38.0) as u32 {
+        for _ in 0..(area / 75.0) as u32 {
             if let Some(at) = somewhere(&mut rng, 0.8) {
                 let cloth = rng.below(6) as usize;
                 put(Thing::Person, at, direction(&mut rng), cloth);

@@ -125,7 +125,7 @@ impl Materials {
     fn ground(&mut self, k: f32, seed: &impl Fn(&str, usize) -> u32) {
         let mut set = vec![0; ground_slot::COUNT];
         let mut put = |this: &mut Self, slot: u16, m: Material| set[slot as usize] = this.add(m);
-        let trachyte = bgr(0.150, 0.168, 0.185);
+        let trachyte = bgr(0.135, 0.152, 0.168);
         put(self, ground_slot::WATER, water(k, seed("water", 0)));
         let quay = stone("quay", Class::OtherStructure, k, seed("quay", 0))
             .with(mix(bgr(0.09, 0.11, 0.15), noise(seed("quay", 1), 1.2, 3).ramp(-0.1, 0.3).times(0.7)))
@@ -140,7 +140,7 @@ impl Materials {
             Field::Stripes { across: satseed_scene::Coordinate::U, period_m: 9.5, width_m: 0.45, offset_m: 0.0 },
             Field::Stripes { across: satseed_scene::Coordinate::V, period_m: 9.5, width_m: 0.45, offset_m: 0.0 },
         ]);
-        let campo = slabs("campo", bgr(0.165, 0.185, 0.20), [0.95, 0.42], k, seed("campo", 0));
+        let campo = slabs("campo", bgr(0.148, 0.166, 0.182), [0.95, 0.42], k, seed("campo", 0));
         put(self, ground_slot::CAMPO, campo.clone());
         put(self, ground_slot::CAMPO_LINED, campo.with(mix(bgr(0.31, 0.35, 0.38), lines.times(0.55))));
         let court = slabs("court", bgr(0.16, 0.175, 0.19), [0.6, 0.6], k, seed("court", 0));
@@ -152,8 +152,13 @@ impl Materials {
     }
 
     fn houses(&mut self, k: f32, seed: &impl Fn(&str, usize) -> u32) {
-        let shutters =
-            [bgr(0.03, 0.055, 0.03), bgr(0.04, 0.06, 0.09), bgr(0.05, 0.085, 0.06), bgr(0.24, 0.26, 0.27), bgr(0.03, 0.04, 0.06)];
+        let shutters = [
+            bgr(0.03, 0.055, 0.03),
+            bgr(0.04, 0.06, 0.09),
+            bgr(0.05, 0.085, 0.06),
+            bgr(0.24, 0.26, 0.27),
+            bgr(0.03, 0.04, 0.06),
+        ];
         for (n, [b, g, r]) in PLASTERS.into_iter().enumerate() {
             for half in 0..2 {
                 let s = seed("plaster", 2 * n + half);
@@ -167,7 +172,9 @@ impl Materials {
                 self.blanks.push(m);
             }
         }
-        for (n, base) in [bgr(0.085, 0.11, 0.175), bgr(0.10, 0.125, 0.165), bgr(0.075, 0.09, 0.14)].into_iter().enumerate() {
+        for (n, base) in
+            [bgr(0.085, 0.11, 0.175), bgr(0.10, 0.125, 0.165), bgr(0.075, 0.09, 0.14)].into_iter().enumerate()
+        {
             let s = seed("brick", n);
             let m = self.add(wall(&format!("brick {n}"), base, k, s));
             self.bricks.push(m);
@@ -180,23 +187,36 @@ impl Materials {
             let age = [0.3, 0.6, 1.0][n % 3];
             let m = self.add(tiles(&format!("tiles {n}"), bgr(b, g, r), age, k, s));
             self.roofs.push(m);
-            let m = Material::diffuse(&format!("ridge {n}"), Class::Roof, bgr(b, g, r).lerp(bgr(0.2, 0.22, 0.25), 0.35));
+            let m =
+                Material::diffuse(&format!("ridge {n}"), Class::Roof, bgr(b, g, r).lerp(bgr(0.2, 0.22, 0.25), 0.35));
             let m = self.add(aged(m, s ^ 5, 0.15 * k, 0.15 * k));
             self.ridges.push(m);
         }
         for (n, base) in [bgr(0.25, 0.28, 0.3), bgr(0.1, 0.11, 0.13), bgr(0.09, 0.12, 0.18)].into_iter().enumerate() {
-            let m = aged(Material::diffuse(&format!("eaves {n}"), Class::Roof, base), seed("eaves", n), 0.1 * k, 0.1 * k);
+            let m =
+                aged(Material::diffuse(&format!("eaves {n}"), Class::Roof, base), seed("eaves", n), 0.1 * k, 0.1 * k);
             let m = self.add(m);
             self.edges.push(m);
         }
         for (n, base) in [bgr(0.08, 0.105, 0.135), bgr(0.13, 0.145, 0.155)].into_iter().enumerate() {
-            let m = aged(Material::diffuse(&format!("boards {n}"), Class::Roof, base), seed("boards", n), 0.15 * k, 0.15 * k);
+            let m = aged(
+                Material::diffuse(&format!("boards {n}"), Class::Roof, base),
+                seed("boards", n),
+                0.15 * k,
+                0.15 * k,
+            );
             let m = self.add(m);
             self.woods.push(m);
         }
-        for (n, base) in [bgr(0.1, 0.14, 0.21), bgr(0.2, 0.225, 0.245), bgr(0.12, 0.13, 0.135)].into_iter().enumerate() {
-            let m = aged(Material::diffuse(&format!("terrace {n}"), Class::Roof, base).rough(0.3), seed("terrace", n), 0.15 * k, 0.12 * k)
-                .with(mix(base * 0.5, noise(seed("terrace", n) ^ 3, 1.8, 3).ramp(0.1, 0.5).times(0.5)));
+        for (n, base) in [bgr(0.1, 0.14, 0.21), bgr(0.2, 0.225, 0.245), bgr(0.12, 0.13, 0.135)].into_iter().enumerate()
+        {
+            let m = aged(
+                Material::diffuse(&format!("terrace {n}"), Class::Roof, base).rough(0.3),
+                seed("terrace", n),
+                0.15 * k,
+                0.12 * k,
+            )
+            .with(mix(base * 0.5, noise(seed("terrace", n) ^ 3, 1.8, 3).ramp(0.1, 0.5).times(0.5)));
             let m = self.add(m);
             self.terraces.push(m);
         }
@@ -210,12 +230,8 @@ impl Materials {
         let mut glass = Material::diffuse("panes", Class::Roof, bgr(0.05, 0.05, 0.05));
         glass.brdf = Brdf::Coated { index: 1.52 };
         self.glass = self.add(glass);
-        let steps = Field::Stripes {
-            across: satseed_scene::Coordinate::U,
-            period_m: 0.42,
-            width_m: 0.12,
-            offset_m: 0.0,
-        };
+        let steps =
+            Field::Stripes { across: satseed_scene::Coordinate::U, period_m: 0.42, width_m: 0.12, offset_m: 0.0 };
         let deck = slabs("bridge steps", bgr(0.15, 0.17, 0.185), [0.9, 0.6], k, seed("deck", 0))
             .with(mix(bgr(0.33, 0.37, 0.4), steps.times(0.8)));
         self.deck = self.add(Material { class: Class::Bridge, ..deck });
@@ -251,7 +267,14 @@ impl Materials {
             let m = paint(self, "gunwale", base, false, n);
             self.trims.push(m);
         }
-        let covers = [bgr(0.22, 0.09, 0.04), bgr(0.09, 0.1, 0.05), bgr(0.22, 0.23, 0.23), bgr(0.4, 0.41, 0.4), bgr(0.05, 0.05, 0.2), bgr(0.1, 0.17, 0.23)];
+        let covers = [
+            bgr(0.22, 0.09, 0.04),
+            bgr(0.09, 0.1, 0.05),
+            bgr(0.22, 0.23, 0.23),
+            bgr(0.4, 0.41, 0.4),
+            bgr(0.05, 0.05, 0.2),
+            bgr(0.1, 0.17, 0.23),
+        ];
         for (n, base) in covers.into_iter().enumerate() {
             let m = paint(self, "cover", base, false, n);
             self.covers.push(m);
@@ -313,7 +336,7 @@ impl Materials {
     /// A set for a house.
     pub(super) fn house_set(&mut self, path: &SeedPath) -> u32 {
         let mut rng = path.child("materials").rng();
-        let tile = rng.weighted(&[1.6, 1.8, 1.6, 1.2, 1.2, 0.9, 1.0, 0.9, 0.5]);
+        let tile = rng.weighted(&[1.2, 1.7, 1.6, 1.2, 1.4, 1.2, 0.8, 1.2, 0.8]);
         let blank = *rng.pick(&self.blanks);
         let mut set = vec![blank; slot::COUNT];
         set[slot::WALL as usize] = *rng.pick(&self.walls);
@@ -371,8 +394,11 @@ impl Materials {
             _ => *rng.pick(&self.trims),
         };
         set[boats::slot::FLOOR as usize] = self.trims[if rng.chance(0.5) { 0 } else { 2 }];
-        set[boats::slot::COVER as usize] =
-            if boat == Boat::Gondola { self.covers[4] } else { self.covers[rng.weighted(&[0.34, 0.2, 0.18, 0.12, 0.05, 0.11])] };
+        set[boats::slot::COVER as usize] = if boat == Boat::Gondola {
+            self.covers[4]
+        } else {
+            self.covers[rng.weighted(&[0.34, 0.2, 0.18, 0.12, 0.05, 0.11])]
+        };
         set[boats::slot::CABIN as usize] = if rng.chance(0.8) { self.hulls[0] } else { self.hulls[4] };
         set[boats::slot::GLASS as usize] = self.boat_glass;
         set[boats::slot::DARK as usize] = self.boat_dark;

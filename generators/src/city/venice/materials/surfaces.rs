@@ -98,9 +98,7 @@ pub(super) fn wall(name: &str, base: Bands, k: f32, seed: u32) -> Material {
             .times(0.8 * k.min(1.0)),
         ))
         // Salt and damp rise some 2 m; the tide leaves a dark green band.
-        .with(brightness(
-            Field::Sum(vec![height(), noise(seed ^ 0x42, 3.0, 2).times(1.2)]).ramp(2.2, 0.4).times(-0.28),
-        ))
+        .with(brightness(Field::Sum(vec![height(), noise(seed ^ 0x42, 3.0, 2).times(1.2)]).ramp(2.2, 0.4).times(-0.28)))
         .with(mix(
             bgr(0.035, 0.05, 0.04),
             Field::Sum(vec![height(), noise(seed ^ 0x43, 2.0, 2).times(0.2)]).ramp(-0.15, -0.45).times(0.85),
@@ -111,10 +109,7 @@ pub(super) fn wall(name: &str, base: Bands, k: f32, seed: u32) -> Material {
 pub(super) fn windowed(m: Material, shutters: Bands, seed: u32) -> Material {
     let (bay, floor) = (NOMINAL_BAY_M as f32, NOMINAL_FLOOR_M as f32);
     let rect = |w: f32, h: f32, sill: f32| {
-        Field::Product(vec![
-            stripes(Coordinate::U, bay, w, (bay - w) / 2.0),
-            stripes(Coordinate::V, floor, h, sill),
-        ])
+        Field::Product(vec![stripes(Coordinate::U, bay, w, (bay - w) / 2.0), stripes(Coordinate::V, floor, h, sill)])
     };
     let cells = |s: u32| Field::Cells { space: Space::Uv, seed: seed ^ s, size_m: [bay, floor, 0.0], stagger: 0.0 };
     let and = |a: Field, b: Field| Field::Product(vec![a, b]);
@@ -143,7 +138,7 @@ pub(super) fn stone(name: &str, class: Class, k: f32, seed: u32) -> Material {
 
 /// The lagoon's water in the canals: green, turbid, in wind too weak for more than ripples.
 pub(super) fn water(k: f32, seed: u32) -> Material {
-    let mut m = Material::diffuse("canal", Class::Water, Bands::new(0.036, 0.062, 0.040, 0.008));
+    let mut m = Material::diffuse("canal", Class::Water, Bands::new(0.036, 0.054, 0.038, 0.008));
     m.brdf = Brdf::Water { slope_variance: 0.007 };
     m.with(brightness(noise(seed, 60.0, 3).times(0.16 * k)))
         .with(brightness(noise(seed ^ 1, 6.0, 3).times(0.12 * k)))
