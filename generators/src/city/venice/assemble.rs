@@ -224,7 +224,8 @@ fn bridges_of(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
     let set = a.materials.bridge_set();
     for span in plan.spans.iter().filter(|s| s.centre_m.length() < params.radius_m + RING_M - 40.0) {
         let mesh = a.mesh(bridges::mesh(span));
-        let ends = [-1.0, 1.0].map(|s| plan.lie.paving_m(span.centre_m + span.axis * (s * (span.span_m / 2.0 + 2.0))));
+        let ends =
+            [-1.0, 1.0].map(|s| plan.lie.paving_m(span.centre_m + span.axis * (s * (span.length_m / 2.0 + 2.0))));
         let z = f64::from(quantise_m(ends[0].min(ends[1])));
         a.add(
             mesh,
@@ -303,12 +304,13 @@ fn open_ground(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan, full_m: f
             isle.church.as_ref().map(|c| polygon::oriented_rectangle(c.centre_m, c.axis, c.half_m + DVec2::splat(2.0)));
         let free = |p: DVec2| church.as_ref().is_none_or(|c| !polygon::contains(c, p));
         for (outline, open, name) in &isle.opens {
-            if polygon::centroid(outline).length() > full_m {
+            let (low, high) = polygon::bounds(outline);
+            if DVec2::ZERO.clamp(low, high).length() > full_m {
                 continue;
             }
             let (things, planted) = things::furnish(outline, *open, params.trees, name, a.city);
             standing.extend(things.into_iter().filter(|t| free(t.at)));
-            for (at, size, name) in planted.into_iter().filter(|(p, _, _)| free(*p)) {
+            for (at, size, name) in planted.into_iter().filter(|(p, _, _)| free(*p) && p.length() <= full_m) {
                 let mut rng = a.city.child(&name).child("tree").rng();
                 let species = rng.weighted(&[0.4, 0.2, 0.3, 0.1]);
                 let mesh = grown[species][rng.below(INDIVIDUALS) as usize];

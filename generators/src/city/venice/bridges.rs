@@ -26,7 +26,7 @@ pub(super) struct Span {
     /// Direction of x.
     pub axis: DVec2,
     /// Distance of the shores, m.
-    pub span_m: f64,
+    pub length_m: f64,
     /// Width, m.
     pub width_m: f64,
     /// Height of the deck's crown over the paving, m.
@@ -49,7 +49,7 @@ impl Span {
         Self {
             centre_m: DVec2::new(quantise_m(centre.x).into(), quantise_m(centre.y).into()),
             axis: (b - a).normalize(),
-            span_m: a.distance(b),
+            length_m: a.distance(b),
             width_m: bridge.width_m,
             crown_m: WATER_M + clear_m + 0.42,
             key: bridge.key,
@@ -57,14 +57,14 @@ impl Span {
     }
 
     fn deck_m(&self, x: f64) -> f64 {
-        let t = (x.abs() / (self.span_m / 2.0 + LANDING_M)).min(1.0);
+        let t = (x.abs() / (self.length_m / 2.0 + LANDING_M)).min(1.0);
         // Steep steps up to a short level crown.
         let s = ((t - 0.12) / 0.88).max(0.0);
         self.crown_m * (1.0 - s * s * (1.6 - 0.6 * s)) - 0.12 * t
     }
 
     fn arch_m(&self, x: f64) -> f64 {
-        let half = self.span_m / 2.0 - 0.1;
+        let half = self.length_m / 2.0 - 0.1;
         if x.abs() >= half {
             return WATER_M - 0.7;
         }
@@ -77,7 +77,7 @@ impl Span {
 /// The mesh of a bridge.
 pub(super) fn mesh(s: &Span) -> Mesh {
     let mut b = MeshBuilder::default();
-    let (half, end) = (s.span_m / 2.0, s.span_m / 2.0 + LANDING_M);
+    let (half, end) = (s.length_m / 2.0, s.length_m / 2.0 + LANDING_M);
     let mut xs = vec![-end, -half - 1.2, -half - 0.02];
     for k in 0..=16 {
         // Closer where the arch is steep.
@@ -163,14 +163,14 @@ mod tests {
 
     #[test]
     fn bridges_are_closed_and_leave_air() {
-        for (span_m, crown_m) in [(4.2, 1.8), (7.5, 2.4), (13.0, 2.5)] {
-            let span = Span { centre_m: DVec2::ZERO, axis: DVec2::X, span_m, width_m: 2.8, crown_m, key: 0 };
+        for (length_m, crown_m) in [(4.2, 1.8), (7.5, 2.4), (13.0, 2.5)] {
+            let span = Span { centre_m: DVec2::ZERO, axis: DVec2::X, length_m, width_m: 2.8, crown_m, key: 0 };
             let m = mesh(&span);
             assert_eq!((m.validate(), open_edges(&m)), (Ok(()), 0));
             let air = span.arch_m(0.0) - WATER_M;
             assert!((1.9..3.0).contains(&air), "{air}");
             assert!(span.deck_m(0.0) - span.arch_m(0.0) > 0.3);
-            assert!(span.deck_m(span_m / 2.0 + LANDING_M) < 0.0);
+            assert!(span.deck_m(length_m / 2.0 + LANDING_M) < 0.0);
         }
     }
 }

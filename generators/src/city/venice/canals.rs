@@ -13,7 +13,7 @@ use satseed_scene::SeedPath;
 pub(super) const HALF_M: f64 = 1500.0;
 
 /// Ground on which one square of the city's larger ones is found, m^2: seven to a frame of 614 m.
-const PARISH_M2: f64 = 64_000.0;
+const PARISH_M2: f64 = 70_000.0;
 
 /// An island between canals.
 #[derive(Clone, Debug)]
@@ -138,14 +138,14 @@ pub(super) fn cut(variant: Variant, city: &SeedPath) -> Canals {
     let mut cutter = Cutter { city, grand, isles: Vec::new(), cuts: Vec::new() };
     let (sin, cos) = libm::sincos(city.child("turn").rng().range(0.0, core::f64::consts::TAU));
     let square = polygon::oriented_rectangle(DVec2::ZERO, DVec2::new(cos, sin), DVec2::splat(HALF_M));
-    cutter.halve(Piece::new(square, Side::Water), 1, Parish::Larger);
+    cutter.halve(&Piece::new(square, Side::Water), 1, Parish::Larger);
     let bridges = cutter.bridges();
     Canals { isles: cutter.isles, bridges }
 }
 
 impl Cutter<'_> {
     /// Halves a piece until it is an island.
-    fn halve(&mut self, piece: Piece, key: u64, parish: Parish) {
+    fn halve(&mut self, piece: &Piece, key: u64, parish: Parish) {
         let mut rng = self.city.child("cut").index(key).rng();
         let area = piece.area();
         let parish = match parish {
@@ -155,7 +155,7 @@ impl Cutter<'_> {
         let (axis, length_m, width_m) = piece.long_axis();
         let wanted = rng.lognormal(12_200.0, 0.38).clamp(6_000.0, 27_000.0);
         if area < wanted || length_m < 70.0 {
-            self.leaf(&piece, key, parish);
+            self.leaf(piece, key, parish);
             return;
         }
         // Across the longer axis, seldom squarely; the largest pieces are cut by the longest canals.
@@ -170,7 +170,7 @@ impl Cutter<'_> {
             a if a > 60_000.0 => rng.range(6.0, 9.6),
             _ => rng.range(4.4, 7.4),
         };
-        if let Some(line) = chord(&piece, on, along) {
+        if let Some(line) = chord(piece, on, along) {
             self.cuts.push((line, canal_m, key));
         }
         let left = along.perp();
@@ -181,7 +181,7 @@ impl Cutter<'_> {
                     Parish::Here(at) if ((at - on).dot(left) > 0.0) != (k == 0) => Parish::Elsewhere,
                     other => other,
                 };
-                self.halve(part, 2 * key + k, parish);
+                self.halve(&part, 2 * key + k, parish);
             }
         }
     }
@@ -204,7 +204,7 @@ impl Cutter<'_> {
             let along = (line[1] - line[0]).normalize();
             let length_m = line[0].distance(line[1]);
             let mut rng = path.rng();
-            let count = libm::floor(length_m / 390.0 + rng.range(0.0, 0.85)) as u64;
+            let count = libm::floor(length_m / 300.0 + rng.range(0.0, 0.85)) as u64;
             for k in 0..count {
                 let mut rng = path.index(k).rng();
                 for _ in 0..8 {

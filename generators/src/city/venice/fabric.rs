@@ -78,7 +78,7 @@ pub(super) fn fill(isle: &Isle, density: f64, path: &SeedPath) -> Fabric {
     let ground = isle.piece.inset(|i| if quays[i] > 0.0 { (quays[i], Side::Quay) } else { (0.12, Side::Water) });
     if let Some(ground) = ground {
         let square = isle.campo.then(|| ground.centre());
-        filler.divide(ground, 1, square, isle.landings.clone());
+        filler.divide(&ground, 1, square, isle.landings.clone());
     }
     filler.out
 }
@@ -93,17 +93,17 @@ impl Filler<'_> {
         format!("isle/{}/{what}/{key}/{k}", self.key)
     }
 
-    fn divide(&mut self, piece: Piece, key: u64, square: Option<DVec2>, mut landings: Vec<Landing>) {
+    fn divide(&mut self, piece: &Piece, key: u64, square: Option<DVec2>, mut landings: Vec<Landing>) {
         let mut rng = self.path.child("calle").index(key).rng();
         let area = piece.area();
         landings.retain(|l| piece.border_distance(l.at) < 6.0);
         if square.is_some() && area < 4_600.0 && landings.is_empty() {
-            self.campo(&piece, key);
+            self.campo(piece, key);
             return;
         }
-        let wanted = rng.lognormal(980.0, 0.42).clamp(420.0, 2_400.0);
+        let wanted = rng.lognormal(1_060.0, 0.42).clamp(440.0, 2_500.0);
         if (area < wanted && landings.is_empty() && square.is_none()) || area < 240.0 {
-            self.block(&piece, key);
+            self.block(piece, key);
             return;
         }
         let (axis, length_m, _) = piece.long_axis();
@@ -131,7 +131,7 @@ impl Filler<'_> {
                 let square = square
                     .filter(|_| first == Some(k == 0))
                     .map(|at| if part.contains(at) { at } else { part.centre() });
-                self.divide(part, 2 * key + k, square, landings.clone());
+                self.divide(&part, 2 * key + k, square, landings.clone());
             }
         }
     }
@@ -161,7 +161,7 @@ impl Filler<'_> {
                     let name = self.name("campo", key, 0);
                     self.out.opens.push((part, Open::Campo, name));
                 } else {
-                    self.divide(part, 2 * key + 1, None, Vec::new());
+                    self.divide(&part, 2 * key + 1, None, Vec::new());
                 }
             }
         } else {
@@ -293,7 +293,7 @@ impl Filler<'_> {
             }
             // Streets are closed by buildings, so courts lie inside.
             let outside = cell.sides.iter().any(|s| !matches!(s, Side::Party | Side::Court));
-            let open = if outside { 0.10 } else { 0.56 };
+            let open = if outside { 0.10 } else { 0.50 };
             if rng.chance(open * (2.0 - self.density)) {
                 let green = cell.area() > 45.0 && rng.chance(0.3);
                 let (open, what) = if green { (Open::Garden, "garden") } else { (Open::Court, "court") };

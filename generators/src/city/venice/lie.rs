@@ -18,7 +18,7 @@ pub(super) const WATER_M: f64 = -0.8;
 pub(super) const SWELL_M: f64 = 0.4;
 
 /// Bends and swells of a city.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Lie {
     seed: u32,
 }

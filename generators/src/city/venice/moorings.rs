@@ -71,7 +71,7 @@ impl Waters<'_> {
             && self.spans.iter().all(|s| {
                 let d = at - s.centre_m;
                 d.length_squared() > 900.0
-                    || d.dot(s.axis).abs() > s.span_m / 2.0 + l / 2.0 + 3.0
+                    || d.dot(s.axis).abs() > s.length_m / 2.0 + l / 2.0 + 3.0
                     || d.dot(s.axis.perp()).abs() > s.width_m / 2.0 + l / 2.0 + 0.8
             })
     }

@@ -140,7 +140,7 @@ pub(super) fn furnish(
         let axis = direction(&mut rng);
         if open == Open::Campo {
             // Tables of one or two cafés, stalls in a row.
-            for _ in 0..1 + rng.below(2) {
+            for _ in 0..=rng.below(2) {
                 let cloth = rng.below(4) as usize;
                 if let Some(at) = somewhere(&mut rng, 5.0) {
                     for (x, y) in (0..4).flat_map(|x| (0..2).map(move |y| (f64::from(x), f64::from(y)))) {
@@ -157,7 +157,7 @@ pub(super) fn furnish(
             if rng.chance(0.5)
                 && let Some(at) = somewhere(&mut rng, 5.0)
             {
-                for x in 0..1 + rng.below(5) {
+                for x in 0..=rng.below(5) {
                     let p = at + axis.perp() * (x as f64 * 3.8);
                     if polygon::contains(outline, p) && polygon::border_distance(outline, p) > 2.5 {
                         put(Thing::Stall, p, axis.perp(), rng.below(4) as usize);
