@@ -13,7 +13,7 @@ use satseed_scene::SeedPath;
 pub(super) const HALF_M: f64 = 1500.0;
 
 /// Ground on which one square of the city's larger ones is found, m^2: seven to a frame of 614 m.
-const PARISH_M2: f64 = 70_000.0;
+const PARISH_M2: f64 = 76_000.0;
 
 /// An island between canals.
 #[derive(Clone, Debug)]
@@ -191,7 +191,7 @@ impl Cutter<'_> {
         let largest = parts.iter().map(Piece::area).fold(0.0, f64::max);
         for (k, piece) in (0..).zip(parts) {
             let campo = matches!(parish, Parish::Here(_)) && piece.area() == largest && largest > 4200.0;
-            let piece = piece.without_short_sides(2.0);
+            let piece = piece.blunted(11.0, Side::Water).without_short_sides(2.0);
             self.isles.push(Isle { piece, key: 2 * key + k, campo, landings: Vec::new() });
         }
     }
@@ -204,7 +204,7 @@ impl Cutter<'_> {
             let along = (line[1] - line[0]).normalize();
             let length_m = line[0].distance(line[1]);
             let mut rng = path.rng();
-            let count = libm::floor(length_m / 300.0 + rng.range(0.0, 0.85)) as u64;
+            let count = libm::floor(length_m / 330.0 + rng.range(0.0, 0.85)) as u64;
             for k in 0..count {
                 let mut rng = path.index(k).rng();
                 for _ in 0..8 {

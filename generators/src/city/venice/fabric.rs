@@ -97,13 +97,13 @@ impl Filler<'_> {
         let mut rng = self.path.child("calle").index(key).rng();
         let area = piece.area();
         landings.retain(|l| piece.border_distance(l.at) < 6.0);
-        if square.is_some() && area < 4_600.0 && landings.is_empty() {
+        if square.is_some() && area < 4_300.0 && landings.is_empty() {
             self.campo(piece, key);
             return;
         }
         let wanted = rng.lognormal(1_060.0, 0.42).clamp(440.0, 2_500.0);
         if (area < wanted && landings.is_empty() && square.is_none()) || area < 240.0 {
-            self.block(piece, key);
+            self.block(&piece.blunted(4.5, Side::Calle), key);
             return;
         }
         let (axis, length_m, _) = piece.long_axis();
@@ -182,7 +182,7 @@ impl Filler<'_> {
             self.out.opens.push((piece.clone(), Open::Campiello, name));
             return;
         }
-        if area > 420.0 && area < 1_500.0 && rng.chance(0.035 * (2.0 - self.density)) {
+        if area > 420.0 && area < 1_500.0 && rng.chance(0.027 * (2.0 - self.density)) {
             let name = self.name("garden", key, 0);
             self.out.opens.push((piece.clone(), Open::Garden, name));
             return;
@@ -235,7 +235,7 @@ impl Filler<'_> {
                 rest = Some(second);
             }
             // A deep lot has a light court behind its house.
-            if depth_m > 15.0 && lot.area() > 150.0 && rng.chance(0.27 * (2.0 - self.density)) {
+            if depth_m > 15.0 && lot.area() > 150.0 && rng.chance(0.23 * (2.0 - self.density)) {
                 self.with_court(&lot, axis, block_m, key, *k, &mut rng);
             } else {
                 self.lot(lot, Use::House, block_m, key, *k);

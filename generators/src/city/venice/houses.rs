@@ -143,7 +143,7 @@ pub(super) fn house(lot: &Lot, lie: &Lie, city: &SeedPath) -> Option<House> {
     // Narrow houses are seldom the highest.
     let eaves_m = if width_m < 5.0 { eaves_m.min(12.0) } else { eaves_m };
     let floors = libm::round(eaves_m / rng.range(3.1, 3.7)).max(1.0);
-    let terrace = rng.chance(if lot.used == Use::Wing { 0.22 } else { 0.035 });
+    let terrace = rng.chance(if lot.used == Use::Wing { 0.12 } else { 0.03 });
     let cover = if terrace {
         Cover::Terrace(rng.range(0.7, 1.05))
     } else {

@@ -138,6 +138,30 @@ impl Piece {
         out
     }
 
+    /// With every tip sharper than about 58 degrees cut off where it is `width_m` wide.
+    pub(super) fn blunted(&self, width_m: f64, side: Side) -> Self {
+        let mut out = self.clone();
+        for _ in 0..self.corners.len() {
+            let n = out.corners.len();
+            let sharp = (0..n).find_map(|i| {
+                let (a, p, b) = (out.corners[(i + n - 1) % n], out.corners[i], out.corners[(i + 1) % n]);
+                let (u, v) = ((a - p).normalize(), (b - p).normalize());
+                // Half the angle's tangent is the half-width over the distance from the tip.
+                (u.dot(v) > 0.53).then(|| {
+                    let inward = (u + v).normalize();
+                    let tangent = u.perp_dot(v).abs() / (1.0 + u.dot(v));
+                    (p + inward * (width_m / 2.0 / tangent.max(0.1)), inward)
+                })
+            });
+            let Some((on, inward)) = sharp else { break };
+            match out.clipped(on, inward, side) {
+                Some(cut) if cut.area() > 0.6 * out.area() => out = cut,
+                _ => break,
+            }
+        }
+        out
+    }
+
     /// Distance of a point to the border, m.
     pub(super) fn border_distance(&self, p: DVec2) -> f64 {
         polygon::border_distance(&self.corners, p)
@@ -170,6 +194,17 @@ mod tests {
             assert!(a.x == b.x && (a.x == 3.0 || a.x == 5.0), "{a} {b}");
         }
         assert!(left.contains(DVec2::new(1.0, 5.0)) && right.contains(DVec2::new(9.0, 5.0)));
+    }
+
+    #[test]
+    fn tips_are_cut_off_and_square_corners_stay() {
+        assert_eq!(square(10.0).blunted(3.0, Side::Calle), square(10.0));
+        let wedge = Piece::new(vec![DVec2::ZERO, DVec2::new(40.0, -6.0), DVec2::new(40.0, 6.0)], Side::Water);
+        let blunt = wedge.blunted(4.0, Side::Calle);
+        assert_eq!(blunt.corners.len(), 4);
+        let k = blunt.sides.iter().position(|s| *s == Side::Calle).unwrap();
+        let [a, b] = blunt.ends(k);
+        assert!((a.distance(b) - 4.0).abs() < 1e-9, "{a} {b}");
     }
 
     #[test]

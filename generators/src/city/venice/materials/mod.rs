@@ -208,7 +208,7 @@ impl Materials {
             let m = self.add(m);
             self.woods.push(m);
         }
-        for (n, base) in [bgr(0.1, 0.14, 0.21), bgr(0.2, 0.225, 0.245), bgr(0.12, 0.13, 0.135)].into_iter().enumerate()
+        for (n, base) in [bgr(0.1, 0.14, 0.21), bgr(0.16, 0.18, 0.195), bgr(0.12, 0.13, 0.135)].into_iter().enumerate()
         {
             let m = aged(
                 Material::diffuse(&format!("terrace {n}"), Class::Roof, base).rough(0.3),
@@ -399,6 +399,12 @@ impl Materials {
         } else {
             self.covers[rng.weighted(&[0.34, 0.2, 0.18, 0.12, 0.05, 0.11])]
         };
+        if boat == Boat::Gondola {
+            set[boats::slot::FLOOR as usize] = self.boat_dark;
+            if rng.chance(0.6) {
+                set[boats::slot::COVER as usize] = self.boat_dark;
+            }
+        }
         set[boats::slot::CABIN as usize] = if rng.chance(0.8) { self.hulls[0] } else { self.hulls[4] };
         set[boats::slot::GLASS as usize] = self.boat_glass;
         set[boats::slot::DARK as usize] = self.boat_dark;

@@ -140,10 +140,20 @@ pub(super) fn stone(name: &str, class: Class, k: f32, seed: u32) -> Material {
 pub(super) fn water(k: f32, seed: u32) -> Material {
     let mut m = Material::diffuse("canal", Class::Water, Bands::new(0.036, 0.054, 0.038, 0.008));
     m.brdf = Brdf::Water { slope_variance: 0.007 };
-    m.with(brightness(noise(seed, 60.0, 3).times(0.16 * k)))
-        .with(brightness(noise(seed ^ 1, 6.0, 3).times(0.12 * k)))
+    // Where wind presses and where a film calms it; what wakes leave; waves shorter than a pixel.
+    m.with(brightness(noise(seed, 45.0, 4).times(0.26 * k)))
+        .with(brightness(
+            Field::Warped {
+                of: Box::new(noise(seed ^ 1, 7.0, 3)),
+                seed: seed ^ 4,
+                wavelength_m: 9.0,
+                amplitude_m: 3.0,
+            }
+            .times(0.20 * k),
+        ))
+        .with(brightness(noise(seed ^ 5, 1.7, 2).times(0.16 * k)))
         .with(Layer::Tint { tint: Bands::new(0.2, 0.0, 0.3, 0.3), amount: noise(seed ^ 2, 90.0, 2).times(0.5 * k) })
-        .bumpy(Field::Noise(Fractal::new(Space::Plan, seed ^ 3, 1.6, 3).gain(0.7)), 0.028)
+        .bumpy(Field::Noise(Fractal::new(Space::Plan, seed ^ 3, 1.6, 3).gain(0.7)), 0.045)
 }
 
 /// Grass of gardens.
