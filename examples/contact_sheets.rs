@@ -10,7 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
-use satseed_generators::city::california;
+use satseed_generators::city::{california, venice};
 use satseed_generators::{Region, coast, desert, field, forest};
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
@@ -31,7 +31,7 @@ fn main() -> anyhow::Result<()> {
         let mut region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
         let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
         for seed in SEEDS {
-            // A sheet shows all kinds of dunes, fields, forests, coasts and suburbs.
+            // A sheet shows all kinds of dunes, fields, forests, coasts and cities.
             let turn = seed as usize % 3;
             match &mut region {
                 Region::Desert(p) => {
@@ -49,6 +49,10 @@ fn main() -> anyhow::Result<()> {
                 Region::California(p) => {
                     use california::Variant::{Interchange, Suburb};
                     p.variant = [Suburb, Interchange][seed as usize % 2];
+                }
+                Region::Venice(p) => {
+                    use venice::Variant::{Canal, Dense};
+                    p.variant = [Dense, Canal][seed as usize % 2];
                 }
                 Region::Field(p) => {
                     use field::Variant::{European, Pivot};

@@ -330,7 +330,7 @@ fn every_preset_has_a_plan_and_quickstart_is_small() {
     let listed = stdout(&satseed(dir.path(), &["presets"]));
     let names: Vec<_> = listed.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
     let general = ["quickstart", "satunreal", "satseed", "lowtexture", "ablation"];
-    let regions = ["canyon", "toronto", "desert", "field", "forest", "coast", "california"];
+    let regions = ["canyon", "toronto", "desert", "field", "forest", "coast", "california", "venice"];
     assert_eq!(names, [&general[..], &regions].concat());
     for name in names {
         let output = satseed(dir.path(), &["plan", name, "--format", "jsonl"]);

@@ -144,6 +144,11 @@ fn toronto() {
     check("toronto");
 }
 
+#[test]
+fn venice() {
+    check("venice");
+}
+
 /// The platform's libm picks other code on processors without FMA; ours must not notice. The masked run is this test
 /// binary again, against the same files.
 #[test]
@@ -153,11 +158,11 @@ fn without_fma() {
     }
     let me = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new(me)
-        .args(["--exact", "california", "canyon", "coast", "desert", "field", "forest", "toronto"])
+        .args(["--exact", "california", "canyon", "coast", "desert", "field", "forest", "toronto", "venice"])
         .env("SATSEED_MASKED", "1")
         .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2_Usable,-AVX2")
         .output()
         .expect("the test binary runs");
     let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success() && text.contains("7 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && text.contains("8 passed"), "{text}{}", String::from_utf8_lossy(&run.stderr));
 }

@@ -233,3 +233,9 @@ fn full_coasts_are_whole() {
 fn full_californias_are_whole() {
     full_region("california");
 }
+
+#[test]
+#[ignore = "long: 5 * 10^7 rays at regions of full size"]
+fn full_venices_are_whole() {
+    full_region("venice");
+}

@@ -15,7 +15,7 @@ mod parameters;
 
 pub use parameters::{ParameterError, check_range};
 
-use city::{california, toronto};
+use city::{california, toronto, venice};
 use satseed_scene::{Scene, SeedPath};
 use serde::{Deserialize, Serialize};
 
@@ -121,4 +121,5 @@ registry! {
     Forest, forest, "forest";
     Coast, coast, "coast";
     California, california, "california";
+    Venice, venice, "venice";
 }

@@ -23,6 +23,7 @@ pub const PRESETS: &[Preset] = &[
     Preset { name: "forest", text: include_str!("../../presets/forest.toml") },
     Preset { name: "coast", text: include_str!("../../presets/coast.toml") },
     Preset { name: "california", text: include_str!("../../presets/california.toml") },
+    Preset { name: "venice", text: include_str!("../../presets/venice.toml") },
 ];
 
 impl Preset {

@@ -2,3 +2,4 @@
 
 pub mod california;
 pub mod toronto;
+pub mod venice;
