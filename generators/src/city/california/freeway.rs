@@ -29,8 +29,8 @@ pub(super) mod slot {
 
 /// Half width of a freeway's deck: four lanes of 3.6 m, shoulders of 3 and 1.5 m, half the median barrier.
 const HALF_M: f64 = 19.4;
-/// Half width of a ramp's deck: two lanes and shoulders.
-const RAMP_HALF_M: f64 = 4.9;
+/// Half width of a ramp's deck: a lane of 3.6 m, shoulders of 1.2 and 3 m, barriers.
+const RAMP_HALF_M: f64 = 4.2;
 /// Thickness of a deck, m.
 const DECK_M: f64 = 1.8;
 /// Height of a barrier, m.
@@ -253,7 +253,7 @@ pub(super) fn plan(params: &Params, grid: &Grid, land: &Land, city: &SeedPath) -
 }
 
 /// Half of the open stretch around the crossing, m.
-const VIADUCT_M: [f64; 2] = [115.0, 165.0];
+const VIADUCT_M: [f64; 2] = [70.0, 120.0];
 
 fn freeway(
     params: &Params,
@@ -452,7 +452,7 @@ fn ramp(
     let name = format!("ramp/{name}/{quarter}");
     let key = key.child(&name);
     out.pieces.push((name, b.finish()));
-    for (l, left) in [-1.8, 1.8].into_iter().enumerate() {
+    for (l, left) in [0.8].into_iter().enumerate() {
         traffic(params, &sweep, left, 1.0, &key.child("lane").index(l as u64), [6.0, 18.0], out);
     }
 }

@@ -98,14 +98,14 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     }
     let two = rng.chance(if width < 11.0 { 0.7 } else { 0.37 });
     let hip = rng.chance(0.55);
-    let mut style = Style { slope: rng.range(0.33, 0.47), eaves_m: rng.range(0.35, 0.6), hip };
+    let mut style = Style { slope: rng.range(0.33, 0.47), eaves_m: rng.range(0.42, 0.6), hip };
     let flip = rng.chance(0.5);
     let width = width.min(rng.range(15.0, 19.0));
     let slack = room.x[1] - room.x[0] - width;
     let shift = slack * rng.range(0.2, 0.8);
     let (x0, x1) = (room.x[0] + shift, room.x[0] + shift + width);
     let front = room.y[0];
-    let main_depth = if two { rng.range(10.6, 13.2) } else { rng.range(12.2, 15.0) }.min(depth - 1.5);
+    let main_depth = if two { rng.range(11.2, 13.8) } else { rng.range(12.8, 15.6) }.min(depth - 1.5);
     let forward = if rng.chance(0.75) { rng.range(2.0, 5.0) } else { 0.0 }.min(depth - main_depth);
     let (m0, m1) = (front + forward, front + forward + main_depth);
     // One storey is 4.5 to 5.5 m high at its ridge, two are 7 to 8.5 m.
@@ -119,7 +119,7 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     let partial = two && width > 11.5 && rng.chance(0.6);
     if partial {
         // Two storeys over a part, the rest one storey.
-        let upper = width * rng.range(0.55, 0.75);
+        let upper = (width * rng.range(0.55, 0.75)).max(main_depth).min(width);
         let left = rng.chance(0.5);
         let (u0, u1) = if left { (x0, x0 + upper) } else { (x1 - upper, x1) };
         masses.push(wing([u0, u1, m0, m1], main_wall, upper >= main_depth, style.hip, &style));
@@ -153,9 +153,9 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     // An entry or a room towards the street beside the garage.
     let (o0, o1) = if flip { (x0, g0 - 0.4) } else { (g1 + 0.4, x1) };
     let mut door = DVec2::new(if flip { g0 - 1.2 } else { g1 + 1.2 }, m0);
-    if o1 - o0 > 4.2 && rng.chance(0.62) {
-        let w = rng.range(3.6, 5.2).min(o1 - o0);
-        let out = rng.range(0.9, 2.4).min(m0 - room.y[0]).max(0.0);
+    if o1 - o0 > 4.2 && rng.chance(0.8) {
+        let w = rng.range(3.8, 6.6).min(o1 - o0);
+        let out = rng.range(1.2, 3.4).min(m0 - room.y[0]).max(0.0);
         let left = if flip { o0 } else { o1 - w };
         if out > 0.6 {
             let end = if two { m0 + 1.6 } else { root(w / 2.0) };
@@ -167,13 +167,13 @@ pub(super) fn house(room: &Room, rng: &mut Rng) -> Option<House> {
     // Rooms towards the garden.
     let mut rear = m1;
     let left_over = room.y[1] - m1;
-    let wings = if left_over > 2.6 { rng.weighted(&[0.03, 0.65, 0.32]) } else { 0 };
+    let wings = if left_over > 1.5 { rng.weighted(&[0.03, 0.65, 0.32]) } else { 0 };
     let first_left = rng.chance(0.5);
     for k in 0..wings {
         let at_left = (k == 0) == first_left;
-        let w = if wings == 2 { rng.range(0.3, 0.4) } else { rng.range(0.5, 0.74) } * width;
-        let w = w.clamp(3.8, 10.5);
-        let out = rng.range(3.6, 8.5).min(left_over);
+        let w = if wings == 2 { rng.range(0.3, 0.4) } else { rng.range(0.55, 0.8) } * width;
+        let w = w.clamp(3.8, 11.5);
+        let out = rng.range(4.2, 9.0).min(left_over);
         let (a, b) = if at_left { (x0, x0 + w) } else { (x1 - w, x1) };
         let start = if two {
             m1 - 1.6

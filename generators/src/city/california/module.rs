@@ -139,7 +139,7 @@ fn usage_of(index: [i64; 2], grid: &Grid, city: &SeedPath) -> Option<(SlabUse, u
     let mine = index[0].rem_euclid(2) + 2 * index[1].rem_euclid(2);
     if places[0] == mine {
         Some((SlabUse::Commercial, axes[0]))
-    } else if places[1] == mine && rng.chance(0.7) {
+    } else if places[1] == mine && rng.chance(0.5) {
         Some((civic, axes[1]))
     } else {
         None

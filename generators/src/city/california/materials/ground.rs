@@ -211,7 +211,7 @@ pub(super) fn freeway(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
         &both(&edge[..1]),
         seed("freeway", 0),
     );
-    out[deck::RAMP as usize] = slabs("ramp", &[-1.8, 1.8], &[0.0], &[-3.6], &[3.6], seed("freeway", 1));
+    out[deck::RAMP as usize] = slabs("ramp", &[0.8], &[], &[-1.0], &[2.6], seed("freeway", 1));
     let streaks = Field::Noise(satseed_scene::Fractal::new(Space::Plan, seed("freeway", 3), 0.9, 2));
     out[deck::CONCRETE as usize] =
         concrete("structure", Class::Bridge, 0.29, 0.0, seed("freeway", 2)).with(brightness(streaks.times(0.16)));
