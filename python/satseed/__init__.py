@@ -250,8 +250,8 @@ class Scene:
         raise TypeError("a scene cannot be pickled: send recipe, seed and index, and build it there")
 
 
-REGIONS = ("canyon", "toronto", "desert", "field", "forest", "coast")
-"""The regions that stand so far."""
+REGIONS = ("canyon", "toronto", "desert", "field", "forest", "coast", "california", "venice")
+"""All regions."""
 
 
 def crops(
