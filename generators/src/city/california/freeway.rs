@@ -253,7 +253,7 @@ pub(super) fn plan(params: &Params, grid: &Grid, land: &Land, city: &SeedPath) -
 }
 
 /// Half of the open stretch around the crossing, m.
-const VIADUCT_M: [f64; 2] = [70.0, 120.0];
+const VIADUCT_M: [f64; 2] = [70.0, 105.0];
 
 fn freeway(
     params: &Params,

@@ -332,7 +332,7 @@ fn rear_yard(frame: &Frame, local: &[DVec2], h: &house::House, looks: &Looks, de
         }
     }
     let mut rng = lot.key.child("pool").rng();
-    let wanted = rng.chance(0.43);
+    let wanted = rng.chance(0.45);
     if wanted {
         for _ in 0..40 {
             let half = DVec2::new(rng.range(3.5, 4.8), rng.range(1.8, 2.4));
