@@ -3,12 +3,14 @@
 //! The plan is a list of patches, the later on top of the earlier. Their outlines become constraints of one Delaunay
 //! triangulation, each triangle takes the topmost patch that holds its centre, and where raised ground (a block) meets
 //! lowered ground (a carriageway) the edge gets a kerb. Outlines nest or stand apart by centimetres, so that no two
-//! cross after quantising; every border is then crisp and every edge has exactly two triangles.
+//! cross after quantising; every border is then crisp and every edge has exactly two triangles. Where two blocks touch in a
+//! corner, the kerbs of one of them have a point more on their common upright, so that this holds there too.
 
 use super::polygon;
 use glam::DVec2;
 use satseed_scene::{Mesh, quantise_m};
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation, handles::FixedVertexHandle};
+use spade::handles::{DirectedEdgeHandle, FixedVertexHandle};
+use spade::{CdtEdge, ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::BTreeMap;
 
 /// A flat piece of ground.
@@ -200,20 +202,105 @@ fn faces(cdt: &Cdt, plan: &GroundPlan, height_m: &dyn Fn(DVec2) -> f64) -> Mesh 
         if !lowered(l) || lowered(r) {
             continue;
         }
-        let (from, to) = (edge.from(), edge.to());
-        let mut corner = |v: spade::handles::VertexHandle<'_, Point2<f64>, (), spade::CdtEdge<()>>, low: bool| {
-            // Kerb faces have corners of their own: their texture runs along the kerb.
-            let at = DVec2::new(v.position().x, v.position().y);
-            let z = height_m(at) - if low { plan.kerb_m } else { 0.0 };
-            mesh.positions_m.push([at.x as f32, at.y as f32, quantise_m(z)]);
-            mesh.uvs_m.push([at.x as f32, at.y as f32]);
+        // Kerb faces have corners of their own: their texture runs along the kerb.
+        let mut corner = |p: Point2<f64>, below: f64| {
+            let at = DVec2::new(p.x, p.y);
+            mesh.positions_m.push([p.x as f32, p.y as f32, quantise_m(height_m(at) - plan.kerb_m * below)]);
+            mesh.uvs_m.push([p.x as f32, p.y as f32]);
             mesh.positions_m.len() as u32 - 1
         };
-        let (a0, b0, a1, b1) = (corner(from, true), corner(to, true), corner(from, false), corner(to, false));
+        let (from, to) = (edge.from().position(), edge.to().position());
+        let (a0, b0, a1, b1) = (corner(from, 1.0), corner(to, 1.0), corner(from, 0.0), corner(to, 0.0));
+        let between = |touching: u32| f64::from(touching) / f64::from(touching + 1);
+        let raised = |face: Edge<'_>| face.face().as_inner().is_some_and(|f| !lowered(patch_of[f.fix().index()]));
+        let [a, b] = [touching_before(edge, &raised), touching_before(edge.rev(), &raised)]
+            .map(|touching| (touching > 0).then(|| between(touching)));
+        let (a, b) = (a.map(|below| corner(from, below)), b.map(|below| corner(to, below)));
         // Seen from the left of from -> to, "to" lies on the right hand's far side: order (to, from) is counter-clockwise.
-        mesh.triangles.push([b0, a0, a1]);
-        mesh.triangles.push([b0, a1, b1]);
-        mesh.slots.extend([plan.kerb_slot; 2]);
+        mesh.triangles.extend(match (a, b) {
+            (None, None) => vec![[b0, a0, a1], [b0, a1, b1]],
+            (Some(a), None) => vec![[b0, a0, a], [b0, a, a1], [b0, a1, b1]],
+            (None, Some(b)) => vec![[a0, a1, b1], [a0, b1, b], [a0, b, b0]],
+            (Some(a), Some(b)) => vec![[b0, a0, a], [b0, a, b], [b, a, a1], [b, a1, b1]],
+        });
+        mesh.slots.resize(mesh.triangles.len(), plan.kerb_slot);
     }
     mesh
+}
+
+type Edge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), CdtEdge<()>, ()>;
+
+/// Of the blocks that touch in an edge's begin, how many come before the one whose border the edge is. Around the begin, a
+/// block is a run of raised faces; they are counted by where their first edge leads.
+fn touching_before(edge: Edge<'_>, raised: &dyn Fn(Edge<'_>) -> bool) -> u32 {
+    let around: Vec<Edge<'_>> = edge.from().out_edges().collect();
+    let n = around.len();
+    let starts: Vec<usize> = (0..n).filter(|k| raised(around[*k]) && !raised(around[(k + n - 1) % n])).collect();
+    if starts.len() < 2 {
+        return 0;
+    }
+    // The block's run holds the face on one side of the edge: go back to where it starts.
+    let mut at = around.iter().position(|e| *e == edge).unwrap_or(0);
+    if !raised(around[at]) {
+        at = (at + n - 1) % n;
+    }
+    while !starts.contains(&at) {
+        at = (at + n - 1) % n;
+    }
+    let leads = |k: usize| around[k].to().position();
+    let before = |k: usize| {
+        let (p, q) = (leads(k), leads(at));
+        p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).is_lt()
+    };
+    starts.iter().filter(|k| before(**k)).count() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares touch in corners, raised in lowered ground, lowered in raised, and both: two triangles at every edge.
+    #[test]
+    fn blocks_that_touch_in_a_corner_leave_no_edge_with_four_triangles() {
+        let square = |x: f64, y: f64, lowered: bool| Patch {
+            outline: polygon::rectangle(DVec2::new(x, y), DVec2::new(x + 16.0, y + 16.0)),
+            slot: 1,
+            origin_m: DVec2::ZERO,
+            axis: DVec2::X,
+            lowered,
+        };
+        for (background_lowered, low) in [(true, [false; 4]), (true, [false, true, true, false]), (false, [true; 4])] {
+            let places = [(-16.0, -16.0), (0.0, 0.0), (16.0, 16.0), (16.0, -16.0)];
+            let plan = GroundPlan {
+                patches: places.iter().zip(low).map(|((x, y), lowered)| square(*x, *y, lowered)).collect(),
+                background_slot: 0,
+                background_lowered,
+                kerb_slot: 2,
+                kerb_m: 0.15,
+                half_m: 64.0,
+                fine_radius_m: 60.0,
+                fine_m: 20.0,
+                coarse_m: 50.0,
+            };
+            let ground = triangulate(&plan, &|p| 0.01 * p.x);
+            assert_eq!((ground.crossings, ground.mesh.validate()), (0, Ok(())));
+            let m = &ground.mesh;
+            let bits = |v: u32| m.positions_m[v as usize].map(|x| (x + 0.0).to_bits());
+            let mut ways: BTreeMap<_, u32> = BTreeMap::new();
+            for t in &m.triangles {
+                for k in 0..3 {
+                    *ways.entry((bits(t[k]), bits(t[(k + 1) % 3]))).or_default() += 1;
+                }
+            }
+            let border = |p: [u32; 3]| p.iter().take(2).any(|x| f32::from_bits(*x).abs() == 64.0);
+            for ((a, b), count) in &ways {
+                let back = ways.get(&(*b, *a)).copied().unwrap_or(0);
+                assert!(
+                    *count == 1 && (back == 1 || border(*a) && border(*b)),
+                    "{:?}",
+                    [a, b].map(|p| p.map(f32::from_bits))
+                );
+            }
+        }
+    }
 }
