@@ -13,7 +13,7 @@ use satseed::labels::{Extra, Validity, View, ViewLabels, extract};
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, develop, expose};
 use satseed_generators::Region;
 use satseed_scene::{
-    Bands, Class, Environment, Field, Fractal, Layer, Material, Scene, SeedPath, Space, gradient_noise_2d,
+    Bands, Brdf, Class, Environment, Field, Fractal, Layer, Material, Scene, SeedPath, Space, gradient_noise_2d,
 };
 use satseed_tracer::Tracer;
 use support::solids::{cuboid, grid};
@@ -186,7 +186,11 @@ fn pictures_and_labels_are_registered() {
 fn pictures_and_labels_of_regions_are_registered() {
     for name in Region::NAMES {
         let region = Region::by_name(name).expect("registered").with_radius_m(80.0);
-        let scene = region.build(12);
+        let mut scene = region.build(12);
+        // What a mirror shows has a parallax of its own (a canal's houses), and what is brighter from one side is no shift.
+        for material in scene.materials.iter_mut().filter(|m| !matches!(m.brdf, Brdf::Leaf { .. })) {
+            material.brdf = Brdf::Diffuse { roughness_rad: 0.0 };
+        }
         let pair = images(&scene, &rig(0.8, scene.pivot_height_m, 256), Sensor::WORLDVIEW3_RGB, 16, &noon());
         let shift = prove(name, &pair, 2000);
         assert!(shift.abs().max_element() <= 0.02, "{name}: off by {shift} px");
