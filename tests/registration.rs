@@ -187,9 +187,11 @@ fn pictures_and_labels_of_regions_are_registered() {
     for name in Region::NAMES {
         let region = Region::by_name(name).expect("registered").with_radius_m(80.0);
         let mut scene = region.build(12);
-        // What a mirror shows has a parallax of its own (a canal's houses), and what is brighter from one side is no shift.
-        for material in scene.materials.iter_mut().filter(|m| !matches!(m.brdf, Brdf::Leaf { .. })) {
-            material.brdf = Brdf::Diffuse { roughness_rad: 0.0 };
+        // A canal shows the houses beside it as mirror images, which have a parallax of their own.
+        if *name == "venice" {
+            for material in scene.materials.iter_mut().filter(|m| !matches!(m.brdf, Brdf::Leaf { .. })) {
+                material.brdf = Brdf::Diffuse { roughness_rad: 0.0 };
+            }
         }
         let pair = images(&scene, &rig(0.8, scene.pivot_height_m, 256), Sensor::WORLDVIEW3_RGB, 16, &noon());
         let shift = prove(name, &pair, 2000);

@@ -1,5 +1,6 @@
-//! What the tests of every natural region ask of a scene.
+//! What the tests of several regions ask of a scene.
 
+use super::ground::Ground;
 use glam::{DAffine3, DVec3};
 use satseed_scene::{Instance, Scene};
 use std::collections::BTreeMap;
@@ -29,6 +30,30 @@ pub(crate) fn assert_closed(scene: &Scene, half_m: f64) {
         let on_rim = (0..2).any(|axis| a[axis] == b[axis] && a[axis].abs() == half_m);
         assert_eq!(uses.iter().sum::<u32>(), if on_rim { 1 } else { 2 }, "{a:?} {b:?}");
         assert!(on_rim || uses == [1, 1], "{a:?} {b:?}");
+    }
+}
+
+/// No outline of a ground crossed another, and every edge within its square of half side `half_m` has two triangles, one
+/// each way.
+pub(crate) fn assert_whole(ground: &Ground, half_m: f32) {
+    assert_eq!(ground.crossings, 0);
+    let m = &ground.mesh;
+    m.validate().unwrap();
+    let bits = |v: u32| m.positions_m[v as usize].map(f32::to_bits);
+    let mut edges: BTreeMap<([u32; 3], [u32; 3]), [u32; 2]> = BTreeMap::new();
+    for t in &m.triangles {
+        for k in 0..3 {
+            let (a, b) = (bits(t[k]), bits(t[(k + 1) % 3]));
+            let (key, way) = if a < b { ((a, b), 0) } else { ((b, a), 1) };
+            edges.entry(key).or_default()[way] += 1;
+        }
+    }
+    let border = |p: [u32; 3]| p.iter().take(2).any(|x| f32::from_bits(*x).abs() == half_m);
+    for ((a, b), count) in edges {
+        if border(a) && border(b) && count != [1, 1] {
+            continue;
+        }
+        assert_eq!(count, [1, 1], "{:?} {:?}", a.map(f32::from_bits), b.map(f32::from_bits));
     }
 }
 

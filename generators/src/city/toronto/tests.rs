@@ -2,6 +2,7 @@ use super::assemble::{self, CityPlan};
 
 use super::*;
 use crate::kit::buildings::{self, BuildingPlan, Detail};
+use crate::kit::checks::assert_whole;
 use crate::kit::mesh_builder::open_edges;
 use crate::kit::polygon;
 use glam::DVec3;
@@ -150,25 +151,7 @@ fn the_ground_has_no_crack_and_no_t_junction() {
         let params = Params { radius_m, ..Params::default() };
         let city = SeedPath::root("toronto", seed).child("core");
         let ground = assemble::ground(&params, &assemble::plan(&params, &city));
-        assert_eq!(ground.crossings, 0, "seed {seed}");
-        let m = &ground.mesh;
-        m.validate().unwrap();
-        let bits = |v: u32| m.positions_m[v as usize].map(f32::to_bits);
-        let mut edges: BTreeMap<([u32; 3], [u32; 3]), [u32; 2]> = BTreeMap::new();
-        for t in &m.triangles {
-            for k in 0..3 {
-                let (a, b) = (bits(t[k]), bits(t[(k + 1) % 3]));
-                let (key, way) = if a < b { ((a, b), 0) } else { ((b, a), 1) };
-                edges.entry(key).or_default()[way] += 1;
-            }
-        }
-        let border = |p: [u32; 3]| p.iter().take(2).any(|x| f32::from_bits(*x).abs() == 2400.0);
-        for ((a, b), count) in edges {
-            if border(a) && border(b) && count != [1, 1] {
-                continue;
-            }
-            assert_eq!(count, [1, 1], "{:?} {:?}", a.map(f32::from_bits), b.map(f32::from_bits));
-        }
+        assert_whole(&ground, 2400.0);
     }
 }
 
