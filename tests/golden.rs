@@ -30,7 +30,7 @@ fn report(name: &str) -> String {
     let scene = region.build(SEED);
     scene.validate().expect("a legal scene");
     let tracer = Tracer::new(&scene);
-    let rig = StereoRig::new(RigSpec {
+    let spec = RigSpec {
         altitude_m: 1000.0,
         gsd_m: 0.3,
         size_px: [160, 160],
@@ -39,7 +39,8 @@ fn report(name: &str) -> String {
         pivot_along_baseline: 0.5,
         pivot_m: DVec3::new(0.0, 0.0, scene.pivot_height_m),
         datum: Datum::Height(scene.pivot_height_m),
-    });
+    };
+    let rig = StereoRig::new(spec);
     let environment = Environment { sun_elevation_rad: 0.733, sun_azimuth_rad: 2.53, aerosol_optical_depth: 0.12 };
     let all = Extra { elevation: true, class: true, instance: true, normal: true, shadow: true, edge: true };
     let mut text = String::new();
@@ -59,6 +60,12 @@ fn report(name: &str) -> String {
         line(&format!("{side} labels"), &label_bytes(&labels));
         line(&format!("{side} image"), image.bytes());
     }
+    // From 16 samples on, those of a quarter of a pixel share what they can.
+    let settings = Settings { samples_per_pixel: 16, ..settings };
+    let rig = StereoRig::new(RigSpec { size_px: [64, 64], ..spec });
+    let noise = SeedPath::root("golden", SEED).child("16");
+    let exposure = expose(&tracer, View::Left.cameras(&rig).0, &light, settings, &noise);
+    line("left image of 16 samples", develop(vec![exposure], settings.sensor)[0].bytes());
     format!("version {}\n{text}", region.version())
 }
 

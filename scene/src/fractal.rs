@@ -2,6 +2,7 @@
 
 use crate::field::{Filtered, Space, SurfacePoint, position};
 use crate::texture_noise::{NOISE_DEVIATION, noise_2d, noise_3d, slope_2d};
+use crate::wide::wide;
 
 /// How much shorter each octave is. Not an integer, so that lattices never fall together.
 const LACUNARITY: f64 = 1.93;
@@ -93,7 +94,7 @@ impl Fractal {
     }
 
     /// The octaves that a footprint leaves something of, with their remaining amplitudes; and the variance it hides.
-    #[inline]
+    #[inline(always)]
     fn visible(&self, p: &SurfacePoint, mut add: impl FnMut(&Octave, f32)) -> f32 {
         let per_footprint = (1.0 / p.footprint_m) as f32;
         let mut hidden = 0.0;
@@ -127,6 +128,11 @@ impl Fractal {
     }
 
     pub(crate) fn evaluate(&self, p: &SurfacePoint) -> Filtered {
+        wide(|| self.filtered(p))
+    }
+
+    #[inline(always)]
+    fn filtered(&self, p: &SurfacePoint) -> Filtered {
         let q = position(p, self.space);
         let (x, y) = (q.x * self.squeeze[0], q.y * self.squeeze[1]);
         let mut mean = 0.0;
@@ -143,9 +149,11 @@ impl Fractal {
 
     /// Derivatives over the first two axes, 1/m, where the noise is two-dimensional.
     pub(crate) fn slope(&self, p: &SurfacePoint) -> Option<[f64; 2]> {
-        if !self.is_flat(p) {
-            return None;
-        }
+        self.is_flat(p).then(|| wide(|| self.slope_over_plan(p)))
+    }
+
+    #[inline(always)]
+    fn slope_over_plan(&self, p: &SurfacePoint) -> [f64; 2] {
         let q = position(p, self.space);
         let [kx, ky, _] = self.squeeze;
         let mut sum = [0.0; 2];
@@ -155,7 +163,7 @@ impl Fractal {
             sum[0] += f64::from(slope[0]) * strength * kx;
             sum[1] += f64::from(slope[1]) * strength * ky;
         });
-        Some(sum)
+        sum
     }
 
     /// Whether a footprint hides all of it.

@@ -18,6 +18,7 @@ mod scene;
 mod seed;
 mod texture_noise;
 mod units;
+mod wide;
 
 pub use bands::Bands;
 pub use environment::Environment;
@@ -25,7 +26,7 @@ pub use field::{Coordinate, Field, Filtered, Space, SurfacePoint};
 pub use fractal::Fractal;
 pub use material::{Beds, Brdf, Bump, Class, Layer, Material, Shade};
 pub use mesh::{Mesh, MeshError};
-pub use noise::{gradient_noise_2d, hash_cell, unit_from_hash};
+pub use noise::{gradient_noise_2d, gradient_noise_2d_x4, hash_cell, unit_from_hash};
 pub use raster::{MaterialRaster, Raster};
 pub use scene::{Instance, Object, Ray, Scene, SceneError};
 pub use seed::{Rng, SeedPath};

@@ -5,6 +5,7 @@
 //! on a frame that spans thousands of them).
 
 use crate::texture_noise::cell;
+use crate::wide::wide;
 
 /// Mixes a lattice cell and a seed to 32 uniform bits (Murmur3: a round for each coordinate, then its finaliser).
 #[inline]
@@ -38,47 +39,72 @@ pub fn unit_from_hash(hash: u32) -> f32 {
     (hash >> 8) as f32 * (1.0 / (1 << 24) as f32)
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn fade(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
+/// Sixteen unit directions, cos and sin of k * 22.5 deg.
+const DIRECTIONS: [[f32; 16]; 2] = {
+    const A: f32 = 0.923_879_5;
+    const B: f32 = core::f32::consts::FRAC_1_SQRT_2;
+    const C: f32 = 0.382_683_43;
+    [
+        [1.0, A, B, C, 0.0, -C, -B, -A, -1.0, -A, -B, -C, 0.0, C, B, A],
+        [0.0, C, B, A, 1.0, A, B, C, 0.0, -C, -B, -A, -1.0, -A, -B, -C],
+    ]
+};
+
 /// Gradient noise over the plane, mean 0, range about -1..1, wavelength about 1.
 #[inline]
 pub fn gradient_noise_2d(x: f64, y: f64, seed: u32) -> f32 {
-    // Sixteen unit directions, cos and sin of k * 22.5 deg.
-    const D: [[f32; 2]; 16] = [
-        [1.0, 0.0],
-        [0.923_879_5, 0.382_683_43],
-        [core::f32::consts::FRAC_1_SQRT_2, core::f32::consts::FRAC_1_SQRT_2],
-        [0.382_683_43, 0.923_879_5],
-        [0.0, 1.0],
-        [-0.382_683_43, 0.923_879_5],
-        [-core::f32::consts::FRAC_1_SQRT_2, core::f32::consts::FRAC_1_SQRT_2],
-        [-0.923_879_5, 0.382_683_43],
-        [-1.0, 0.0],
-        [-0.923_879_5, -0.382_683_43],
-        [-core::f32::consts::FRAC_1_SQRT_2, -core::f32::consts::FRAC_1_SQRT_2],
-        [-0.382_683_43, -0.923_879_5],
-        [0.0, -1.0],
-        [0.382_683_43, -0.923_879_5],
-        [core::f32::consts::FRAC_1_SQRT_2, -core::f32::consts::FRAC_1_SQRT_2],
-        [0.923_879_5, -0.382_683_43],
-    ];
-    let (ix, fx) = cell(x);
-    let (iy, fy) = cell(y);
-    let corner = |dx: i32, dy: i32| {
-        let g = D[(hash_cell(ix.wrapping_add(dx), iy.wrapping_add(dy), 0, seed) >> 28) as usize];
-        g[0] * (fx - dx as f32) + g[1] * (fy - dy as f32)
-    };
-    let (u, v) = (fade(fx), fade(fy));
-    let value = lerp(lerp(corner(0, 0), corner(1, 0), u), lerp(corner(0, 1), corner(1, 1), u), v);
-    value * core::f32::consts::SQRT_2
+    gradient_noise([x], [y], [seed])[0]
+}
+
+/// [`gradient_noise_2d`] at four places, each with a seed of its own: the same bits in less time, since most of it goes
+/// side by side.
+#[inline]
+pub fn gradient_noise_2d_x4(x: [f64; 4], y: [f64; 4], seed: [u32; 4]) -> [f32; 4] {
+    wide(|| gradient_noise(x, y, seed))
+}
+
+#[inline(always)]
+fn gradient_noise<const N: usize>(x: [f64; N], y: [f64; N], seed: [u32; N]) -> [f32; N] {
+    const CORNERS: [(i32, i32); 4] = [(0, 0), (1, 0), (0, 1), (1, 1)];
+    let (mut ix, mut iy, mut fx, mut fy) = ([0; N], [0; N], [0.0; N], [0.0; N]);
+    for k in 0..N {
+        (ix[k], fx[k]) = cell(x[k]);
+        (iy[k], fy[k]) = cell(y[k]);
+    }
+    let mut hashes = [[0; N]; 4];
+    for (c, (dx, dy)) in CORNERS.into_iter().enumerate() {
+        for k in 0..N {
+            hashes[c][k] = hash_cell(ix[k].wrapping_add(dx), iy[k].wrapping_add(dy), 0, seed[k]) >> 28;
+        }
+    }
+    let mut corners = [[0.0; N]; 4];
+    for (c, (dx, dy)) in CORNERS.into_iter().enumerate() {
+        let (mut gx, mut gy) = ([0.0; N], [0.0; N]);
+        for k in 0..N {
+            let direction = hashes[c][k] as usize;
+            (gx[k], gy[k]) = (DIRECTIONS[0][direction], DIRECTIONS[1][direction]);
+        }
+        for k in 0..N {
+            corners[c][k] = gx[k] * (fx[k] - dx as f32) + gy[k] * (fy[k] - dy as f32);
+        }
+    }
+    let mut out = [0.0; N];
+    for k in 0..N {
+        let (u, v) = (fade(fx[k]), fade(fy[k]));
+        let value = lerp(lerp(corners[0][k], corners[1][k], u), lerp(corners[2][k], corners[3][k], u), v);
+        out[k] = value * core::f32::consts::SQRT_2;
+    }
+    out
 }
 
 #[cfg(test)]
@@ -99,6 +125,19 @@ mod tests {
         assert!((sum / f64::from(n)).abs() < 0.02, "mean {}", sum / f64::from(n));
         assert!(peak <= 1.2, "peak {peak}");
         assert!((deviation - 0.30).abs() < 0.025, "{deviation}");
+    }
+
+    #[test]
+    fn four_at_once_are_the_four() {
+        for i in 0..20_000 {
+            let x = core::array::from_fn(|k| f64::from(i * 4 + k as i32) * 0.737 - 9_000.0);
+            let y = core::array::from_fn(|k| f64::from(i % 711 + k as i32) * -1.313 + 300.0);
+            let seed = core::array::from_fn(|k| (i as u32).wrapping_mul(0x9e37_79b9) ^ k as u32);
+            let once = gradient_noise_2d_x4(x, y, seed);
+            for k in 0..4 {
+                assert_eq!(once[k].to_bits(), gradient_noise_2d(x[k], y[k], seed[k]).to_bits());
+            }
+        }
     }
 
     #[test]

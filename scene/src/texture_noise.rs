@@ -22,7 +22,7 @@ pub(crate) const NOISE_DEVIATION: f32 = 0.29;
 pub(crate) const SLOPE_DEVIATION: f32 = 0.84;
 
 /// Bits of a lattice point: its sum of products, finished with two multiplications (of Wellons' "lowbias32").
-#[inline]
+#[inline(always)]
 fn finish(mut h: u32, seed: u32) -> u32 {
     h ^= h >> 16;
     h = h.wrapping_mul(0x7feb_352d) ^ seed;
@@ -31,7 +31,7 @@ fn finish(mut h: u32, seed: u32) -> u32 {
 }
 
 /// The four corners of a square cell whose first corner has the sum `base`.
-#[inline]
+#[inline(always)]
 fn corners(base: u32, seed: u32) -> [u32; 4] {
     // Near seeds are spread over all bits.
     let seed = seed.wrapping_mul(0x27d4_eb2f);
@@ -42,21 +42,21 @@ fn corners(base: u32, seed: u32) -> [u32; 4] {
 
 /// Splits a coordinate into its cell and the fraction within; |x| below 2^31. (The cast and a correction are floor, and
 /// several times quicker than a call on targets whose baseline has no rounding instruction.)
-#[inline]
+#[inline(always)]
 pub(crate) fn cell(x: f64) -> (i32, f32) {
     let floor = floor(x);
     (floor, (x - f64::from(floor)) as f32)
 }
 
 /// The integer below; |x| below 2^31.
-#[inline]
+#[inline(always)]
 pub(crate) fn floor(x: f64) -> i32 {
     let towards_zero = x as i32;
     towards_zero - i32::from(f64::from(towards_zero) > x)
 }
 
 /// Gradients of the four corners of a cell, times 2^15.
-#[inline]
+#[inline(always)]
 fn gradients(ix: i32, iy: i32, seed: u32) -> ([f32; 4], [f32; 4]) {
     let base = (ix as u32).wrapping_mul(PRIME_X).wrapping_add((iy as u32).wrapping_mul(PRIME_Y));
     let [h0, h1, h2, h3] = corners(base, seed);
@@ -66,7 +66,7 @@ fn gradients(ix: i32, iy: i32, seed: u32) -> ([f32; 4], [f32; 4]) {
 }
 
 /// Noise over the plane, mean 0, range about -1.2..1.2, wavelength about 1.
-#[inline]
+#[inline(always)]
 pub(crate) fn noise_2d(x: f64, y: f64, seed: u32) -> f32 {
     let ((ix, fx), (iy, fy)) = (cell(x), cell(y));
     let (gx, gy) = gradients(ix, iy, seed);
@@ -78,7 +78,7 @@ pub(crate) fn noise_2d(x: f64, y: f64, seed: u32) -> f32 {
 }
 
 /// The derivatives of [`noise_2d`] over x and y.
-#[inline]
+#[inline(always)]
 pub(crate) fn slope_2d(x: f64, y: f64, seed: u32) -> [f32; 2] {
     let ((ix, fx), (iy, fy)) = (cell(x), cell(y));
     let (gx, gy) = gradients(ix, iy, seed);
@@ -94,7 +94,7 @@ pub(crate) fn slope_2d(x: f64, y: f64, seed: u32) -> [f32; 2] {
 }
 
 /// Noise over space, mean 0, range about -1.2..1.2, wavelength about 1.
-#[inline]
+#[inline(always)]
 pub(crate) fn noise_3d(x: f64, y: f64, z: f64, seed: u32) -> f32 {
     let ((ix, fx), (iy, fy), (iz, fz)) = (cell(x), cell(y), cell(z));
     let base = (ix as u32)

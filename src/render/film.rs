@@ -21,6 +21,9 @@ pub(super) struct Radiance {
     pub data: Vec<Bands>,
 }
 
+/// Most samples of a cell that share what they can: their rays are in memory together.
+const MOST_TOGETHER: u32 = 16;
+
 /// How samples are laid over the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Grid {
@@ -90,8 +93,10 @@ fn cells(
 ) -> Vec<Bands> {
     let side = f64::from(grid.side);
     let count = grid.side * grid.side;
-    // Footprint of one sample per metre of distance.
-    let spread = 1.0 / (camera.fx_px * f64::from(grid.fine) * side);
+    // What samples of a cell have in common is worked out once; but not of very many, which are a reference.
+    let together = if count <= MOST_TOGETHER { count } else { 1 };
+    // Footprint of those samples per metre of distance.
+    let spread = f64::from(together).sqrt() / (camera.fx_px * f64::from(grid.fine) * side);
     // Both views of a pair have cameras of their own place: their sampling patterns are unrelated.
     let key = (camera.position_m.x.to_bits() ^ camera.position_m.y.to_bits().rotate_left(17)) as u32
         ^ (camera.position_m.x.to_bits() >> 32) as u32;
@@ -101,24 +106,29 @@ fn cells(
         let tile: Vec<(i32, i32)> = tile_order(tile_columns, rows.len() as u32)
             .map(|(x, y)| (left + x as i32, rows.start + y as i32))
             .collect();
-        for index in 0..count {
-            let samples: Vec<Sample> =
-                tile.iter().map(|(column, row)| Sample::new(*column, *row, index, key)).collect();
-            let ray = |((column, row), sample): (&(i32, i32), &Sample)| {
+        for first in (0..count).step_by(together as usize) {
+            let samples: Vec<(i32, i32, u32)> = tile
+                .iter()
+                .flat_map(|(column, row)| (first..first + together).map(|index| (*column, *row, index)))
+                .collect();
+            let keyed: Vec<Sample> =
+                samples.iter().map(|(column, row, index)| Sample::new(*column, *row, *index, key)).collect();
+            let ray = |((column, row, index), sample): (&(i32, i32, u32), &Sample)| {
                 let jitter = sample.square(0);
                 let place = |base: i32, step: u32, jitter: f64| {
                     (f64::from(base) + (f64::from(step) + jitter) / side) / f64::from(grid.fine) - 0.5
                 };
                 camera.ray(place(*column, index % grid.side, jitter.x), place(*row, index / grid.side, jitter.y))
             };
-            let rays: Vec<Ray> = tile.iter().zip(&samples).map(ray).collect();
-            for ((column, row), value) in tile.iter().zip(radiance(tracer, light, &rays, spread, &samples)) {
+            let rays: Vec<Ray> = samples.iter().zip(&keyed).map(ray).collect();
+            let values = radiance(tracer, light, &rays, spread, &keyed, together as usize);
+            for ((column, row), value) in tile.iter().zip(values) {
                 means[(row - rows.start) as usize * columns.len() + (column - columns.start) as usize] += value;
             }
         }
     }
     for mean in &mut means {
-        *mean = *mean * (1.0 / count as f32);
+        *mean = *mean * (together as f32 / count as f32);
     }
     means
 }

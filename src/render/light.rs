@@ -156,7 +156,9 @@ impl Light {
                 Ray { origin: foot, direction: DVec3::NEG_Z }
             };
             let rays: Vec<Ray> = (0..).zip(&samples).map(ray).collect();
-            radiance(tracer, self, &rays, FOOTPRINT_M / ABOVE_M, &samples).into_iter().fold(Bands::ZERO, |a, b| a + b)
+            radiance(tracer, self, &rays, FOOTPRINT_M / ABOVE_M, &samples, 1)
+                .into_iter()
+                .fold(Bands::ZERO, |a, b| a + b)
         };
         let rows: Vec<Bands> = (0..SIDE).into_par_iter().map(row).collect();
         rows.into_iter().fold(Bands::ZERO, |a, b| a + b) * (1.0 / (SIDE * SIDE) as f32)

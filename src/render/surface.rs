@@ -2,12 +2,13 @@
 
 use glam::{DVec2, DVec3};
 use satseed_scene::{Bands, Brdf, Ray, Shade, SurfacePoint};
-use satseed_tracer::{Hit, Origin, Tracer};
+use satseed_tracer::{Hit, Tracer};
 
 const INV_PI: f32 = core::f32::consts::FRAC_1_PI;
 
-/// The material at a hit over a footprint (m, square on), and the start of the rays that leave it.
-pub(super) fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -> (Shade, Origin) {
+/// Where a hit lies, in every frame that a material may be keyed by. The footprint (m, square on) stretches where the
+/// surface leans away; its geometric mean side counts.
+pub(super) fn place(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -> SurfacePoint {
     let scene = tracer.scene();
     let instance = &scene.instances[hit.instance as usize];
     let mesh = &scene.meshes[instance.mesh as usize];
@@ -40,22 +41,31 @@ pub(super) fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -
         let n = world.try_normalize().unwrap_or(hit.normal);
         if n.dot(hit.normal) < 0.0 { -n } else { n }
     };
-    // The footprint stretches where the surface leans away; its geometric mean side counts.
     let cos = (-ray.direction.dot(hit.normal)).max(0.1);
-    let point = SurfacePoint {
+    SurfacePoint {
         world_m: hit.point,
         object_m,
         uv_m,
         normal,
         footprint_m: footprint_m / cos.sqrt(),
         variation: instance.variation,
-    };
-    let mut shade = scene.material(hit.instance, hit.triangle).shade(&point, &scene.rasters);
+    }
+}
+
+/// The material at a place of a hit's triangle.
+pub(super) fn dress(tracer: &Tracer, hit: &Hit, point: &SurfacePoint) -> Shade {
+    let scene = tracer.scene();
+    let mut shade = scene.material(hit.instance, hit.triangle).shade(point, &scene.rasters);
     if shade.normal.dot(hit.normal) < 0.05 {
         // A bump must not turn a surface away from its own side.
         shade.normal = (shade.normal + hit.normal * (0.05 - shade.normal.dot(hit.normal))).normalize();
     }
-    (shade, Origin::on(hit))
+    shade
+}
+
+/// The material at a hit over a footprint (m, square on).
+pub(super) fn surface(tracer: &Tracer, ray: &Ray, hit: &Hit, footprint_m: f64) -> Shade {
+    dress(tracer, hit, &place(tracer, ray, hit, footprint_m))
 }
 
 /// Bidirectional reflectance times the cosine, per unit of irradiance on a surface that faces the light.

@@ -9,35 +9,84 @@ const PAIRS: usize = 400;
 
 /// A finished dataset of any size that is made as it is asked for: records as large as those of the published recipe.
 struct Endless {
+    /// A record between the places where its scene's name, its sample's name and a hash of its own stand: what is asked
+    /// for is the joining, so that a record must cost little beside it.
+    pieces: Vec<(String, Part)>,
     written: AtomicU64,
 }
 
+/// What follows a piece of a record.
+#[derive(Clone, Copy)]
+enum Part {
+    Scene,
+    Sample,
+    Hash,
+    End,
+}
+
 impl Endless {
-    fn record(scene: &str, sample: &str) -> String {
-        let hash = |text: &str| blake3::hash(text.as_bytes()).to_hex().to_string();
+    fn new() -> Self {
         let file = |name: &str| {
-            let folder = if ["dsm", "dtm"].contains(&name) { scene.to_owned() } else { format!("{scene}/{sample}") };
-            let path = format!("{folder}/{name}.tif");
-            let hash = hash(&path);
+            let folder = if ["dsm", "dtm"].contains(&name) { "<scene>" } else { "<scene>/<sample>" };
             format!(
-                "\"{name}\":{{\"path\":\"{path}\",\"bytes\":1000,\"blake3\":\"{hash}\",\"pixels_blake3\":\"{hash}\"}}"
+                "\"{name}\":{{\"path\":\"{folder}/{name}.tif\",\"bytes\":1000,\"blake3\":\"<hash>\",\"pixels_blake3\":\"<hash>\"}}"
             )
         };
         let recipe = format!(
             "\"recipe\":{{\"path\":\"recipe.toml\",\"bytes\":{},\"blake3\":\"{}\"}}",
             RECIPE.len(),
-            hash(RECIPE)
+            blake3::hash(RECIPE.as_bytes()).to_hex()
         );
         // By name, as a record has them.
         let before = ["camera", "disparity_left", "disparity_right", "dsm", "dtm", "left"].map(file);
         let after = ["right", "validity_left", "validity_right"].map(file);
         let files = [&before[..], &[recipe], &after].concat().join(",");
-        format!(
-            "{{\"id\":\"{scene}/{sample}\",\"region\":\"canyon\",\"variant\":\"gorge\",\"scene_seed\":7,\"split\":\"train\",\
+        let template = format!(
+            "{{\"id\":\"<scene>/<sample>\",\"region\":\"canyon\",\"variant\":\"gorge\",\"scene_seed\":7,\"split\":\"train\",\
              \"scene_params_hash\":\"9f03c1aa\",\"baseline_m\":100.0,\"azimuth_deg\":12.5,\"convergence_deg\":5.7,\
              \"valid_fraction\":0.5,\"occluded_fraction\":0.25,\"out_of_frame_fraction\":0.25,\"disparity_min_px\":-3.5,\
              \"disparity_max_px\":12.25,\"files\":{{{files}}}}}\n"
-        )
+        );
+        let mut pieces = Vec::new();
+        let mut rest = template.as_str();
+        while let Some((before, after)) = rest.split_once('<') {
+            let (name, after) = after.split_once('>').unwrap();
+            let part = match name {
+                "scene" => Part::Scene,
+                "sample" => Part::Sample,
+                "hash" => Part::Hash,
+                _ => unreachable!("{name}"),
+            };
+            pieces.push((before.to_owned(), part));
+            rest = after;
+        }
+        pieces.push((rest.to_owned(), Part::End));
+        Self { pieces, written: AtomicU64::new(0) }
+    }
+
+    /// A sample's record; every sample's every file has a hash of its own.
+    fn record(&self, scene: &str, sample: &str, line: &mut String) {
+        let mut state = 0xcbf2_9ce4_8422_2325_u64;
+        for byte in scene.bytes().chain(sample.bytes()) {
+            state = (state ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+        for (text, part) in &self.pieces {
+            line.push_str(text);
+            match part {
+                Part::Scene => line.push_str(scene),
+                Part::Sample => line.push_str(sample),
+                Part::Hash => {
+                    for _ in 0..4 {
+                        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+                        let word = state ^ state >> 29;
+                        for k in 0..16 {
+                            line.push(char::from(b"0123456789abcdef"[(word >> (4 * k) & 15) as usize]));
+                        }
+                    }
+                }
+                Part::End => {}
+            }
+        }
     }
 
     fn sample(n: usize) -> String {
@@ -58,12 +107,17 @@ impl Store for Endless {
     }
     fn get(&self, path: &str) -> Result<Vec<u8>, StoreError> {
         if let Some(scene) = path.strip_suffix("/part.jsonl") {
-            let lines: String = (0..PAIRS).map(|n| Self::record(scene, &Self::sample(n))).collect();
+            let mut lines = String::new();
+            for n in 0..PAIRS {
+                self.record(scene, &Self::sample(n), &mut lines);
+            }
             return Ok(lines.into_bytes());
         }
         let id = path.strip_suffix("/sample.json").unwrap();
         let (scene, sample) = id.split_once('/').unwrap();
-        Ok(Self::record(scene, sample).into_bytes())
+        let mut line = String::new();
+        self.record(scene, sample, &mut line);
+        Ok(line.into_bytes())
     }
     fn size(&self, _: &str) -> Result<Option<u64>, StoreError> {
         Ok(None)
@@ -102,7 +156,7 @@ fn resident_bytes() -> u64 {
 /// Joins so many samples: time, and the most memory that was seen between scenes.
 #[cfg(target_os = "linux")]
 fn joined(samples: usize) -> (Duration, u64) {
-    let store = Endless { written: AtomicU64::new(0) };
+    let store = Endless::new();
     let most = AtomicU64::new(0);
     let names: Vec<String> = (0..PAIRS).map(Endless::sample).collect();
     let scenes = || {
@@ -117,7 +171,9 @@ fn joined(samples: usize) -> (Duration, u64) {
     let joined = join(&store, RECIPE, scenes).unwrap();
     let took = began.elapsed();
     assert_eq!(joined.samples, samples as u64);
-    let line = Endless::record("canyon-gorge-1", "b00-a00").len() as u64;
+    let mut line = String::new();
+    store.record("canyon-gorge-1", "b00-a00", &mut line);
+    let line = line.len() as u64;
     let written = store.written.load(Ordering::Relaxed);
     assert!(written > 2 * line * samples as u64, "parts and manifest: {written}");
     let most = most.into_inner();
@@ -132,7 +188,9 @@ fn joined(samples: usize) -> (Duration, u64) {
 
 #[cfg(target_os = "linux")]
 fn holds(sizes: &[usize]) {
-    assert_eq!(SampleRecord::from_line(&Endless::record("a", "b")).unwrap().to_line(), Endless::record("a", "b"));
+    let mut line = String::new();
+    Endless::new().record("a", "b", &mut line);
+    assert_eq!(SampleRecord::from_line(&line).unwrap().to_line(), line);
     joined(sizes[0]);
     let runs: Vec<_> = sizes.iter().map(|n| (*n, joined(*n))).collect();
     let (first, last) = (&runs[0], &runs[runs.len() - 1]);

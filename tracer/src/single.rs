@@ -3,7 +3,7 @@
 use crate::bvh8::{Bvh8, Child, Node8};
 use crate::query::{Candidate, Query};
 use crate::simd::{Lanes, Wide, dispatch};
-use crate::slab::SlabRay;
+use crate::slab::{SlabRay, inverse};
 use crate::tree::{Leaf, Trees, slot};
 use crate::triangle::{ShearedRay, main_axis};
 use glam::DVec3;
@@ -23,7 +23,10 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q, stack: &mut
     // One stack for both levels: the inner walk works above what the outer one left.
     let sheared = ShearedRay::new(query.origin(), query.direction());
     let (origin, direction) = (query.origin(), query.direction());
-    let Some(mut outer) = Walk::enter(&trees.instances, origin, direction, query.limit(), stack) else { return };
+    let Some(mut outer) = Walk::enter(&trees.instances, origin, direction, inverse(direction), query.limit(), stack)
+    else {
+        return;
+    };
     while let Some(leaf) = outer.next(lanes, stack, query.limit()) {
         for place in leaf.first..leaf.first + leaf.count {
             through_instance(lanes, trees, place, &sheared, query, stack);
@@ -52,8 +55,9 @@ fn through_instance<L: Lanes, Q: Query>(
         direction = placement.object_from_world.transform_vector3(direction);
     }
     let bottom = stack.len();
-    let Some(mut walk) = Walk::enter(&mesh.tree, origin, direction, query.limit(), stack) else { return };
-    let sieve = Sieve::new(&walk.ray, origin, direction, mesh.tree.slack);
+    let inverse = inverse(direction);
+    let Some(mut walk) = Walk::enter(&mesh.tree, origin, direction, inverse, query.limit(), stack) else { return };
+    let sieve = Sieve::new(&walk.ray, origin, direction, inverse, mesh.tree.slack);
     while let Some(leaf) = walk.next(lanes, stack, query.limit()) {
         let block = mesh.leaf(leaf.first);
         let mut left = sieve.pass::<L>(&block, walk.ray.limit(query.limit())) & ((1 << leaf.count) - 1);
@@ -90,14 +94,21 @@ struct Walk<'t> {
 
 impl<'t> Walk<'t> {
     #[inline(always)]
-    fn enter(tree: &'t Bvh8, origin: DVec3, direction: DVec3, limit: f64, stack: &mut Vec<Entry>) -> Option<Self> {
+    fn enter(
+        tree: &'t Bvh8,
+        origin: DVec3,
+        direction: DVec3,
+        inverse: DVec3,
+        limit: f64,
+        stack: &mut Vec<Entry>,
+    ) -> Option<Self> {
         let slack = tree.slack;
-        let (near, _) = tree.bounds.clip(origin, direction, 0.0, limit, slack)?;
+        let (near, _) = tree.bounds.clip(origin, inverse, 0.0, limit, slack)?;
         let bottom = stack.len();
         if !tree.nodes.is_empty() {
             stack.push(Entry { child: Child { first: 0, count: 0 }, near: 0.0 });
         }
-        Some(Self { nodes: &tree.nodes, ray: SlabRay::new(origin, direction, near, slack), bottom })
+        Some(Self { nodes: &tree.nodes, ray: SlabRay::new(origin, direction, inverse, near, slack), bottom })
     }
 
     /// The next leaf that is entered before `limit`.
@@ -148,14 +159,14 @@ struct Sieve {
 
 impl Sieve {
     #[inline(always)]
-    fn new(ray: &SlabRay, origin: DVec3, direction: DVec3, slack: f64) -> Self {
+    fn new(ray: &SlabRay, origin: DVec3, direction: DVec3, inverse: DVec3, slack: f64) -> Self {
         let z = main_axis(direction);
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let from = origin + direction * ray.start_t;
         Self {
             axes: [x, y, z],
             from: [from[x] as f32, from[y] as f32, from[z] as f32],
-            shear: [(direction[x] / direction[z]) as f32, (direction[y] / direction[z]) as f32],
+            shear: [(direction[x] * inverse[z]) as f32, (direction[y] * inverse[z]) as f32],
             sign: if direction[z] < 0.0 { -1.0 } else { 1.0 },
             depth_per_t: direction[z].abs() as f32,
             error_m: slack as f32,

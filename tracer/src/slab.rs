@@ -36,30 +36,22 @@ pub(crate) struct Boxes8 {
     pub(crate) high: [[f32; 8]; 3],
 }
 
+/// One over a direction's components. Where one is missing: so large that a border lies far beyond any box on its side, and
+/// never 0 times infinity.
+#[inline(always)]
+pub(crate) fn inverse(direction: DVec3) -> DVec3 {
+    let one = |d: f64| 1.0 / if d.abs() < 1e-18 { 1e-18_f64.copysign(d) } else { d };
+    DVec3::new(one(direction.x), one(direction.y), one(direction.z))
+}
+
 impl Bounds {
-    /// The part of `origin + t * direction`, t in `[t_min, t_max]`, inside these bounds grown by `slack`.
-    pub(crate) fn clip(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        t_min: f64,
-        t_max: f64,
-        slack: f64,
-    ) -> Option<(f64, f64)> {
-        let (mut near, mut far) = (t_min, t_max);
-        for axis in 0..3 {
-            let (low, high) = (self.low[axis] - slack, self.high[axis] + slack);
-            let d = direction[axis];
-            if d == 0.0 {
-                if origin[axis] < low || origin[axis] > high {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((low - origin[axis]) / d, (high - origin[axis]) / d);
-            near = near.max(a.min(b));
-            far = far.min(a.max(b));
-        }
+    /// The part of `origin + t * direction`, t in `[t_min, t_max]`, inside these bounds grown by `slack`, for the direction's
+    /// [`inverse`].
+    #[inline(always)]
+    pub(crate) fn clip(&self, origin: DVec3, inverse: DVec3, t_min: f64, t_max: f64, slack: f64) -> Option<(f64, f64)> {
+        let a = (self.low - slack - origin) * inverse;
+        let b = (self.high + slack - origin) * inverse;
+        let (near, far) = (a.min(b).max_element().max(t_min), a.max(b).min_element().min(t_max));
         (near <= far).then_some((near, far))
     }
 
@@ -72,18 +64,14 @@ impl Bounds {
 
 impl SlabRay {
     /// A ray in the tree's frame; `start_t` must be where it enters the tree's bounds.
-    pub(crate) fn new(origin: DVec3, direction: DVec3, start_t: f64, slack: f64) -> Self {
+    #[inline(always)]
+    pub(crate) fn new(origin: DVec3, direction: DVec3, inverse: DVec3, start_t: f64, slack: f64) -> Self {
         let from = origin + direction * start_t;
-        let inverse = |d: f64| {
-            // A direction without this component: far beyond any box on both sides, and never 0 times infinity.
-            let d = if d.abs() < 1e-18 { 1e-18_f64.copysign(d) } else { d };
-            (1.0 / d) as f32
-        };
         let e = slack as f32;
         Self {
             low_from: [from.x as f32 + e, from.y as f32 + e, from.z as f32 + e],
             high_from: [from.x as f32 - e, from.y as f32 - e, from.z as f32 - e],
-            inverse: [inverse(direction.x), inverse(direction.y), inverse(direction.z)],
+            inverse: inverse.as_vec3().to_array(),
             start_t,
         }
     }
@@ -141,14 +129,14 @@ mod tests {
             // Aimed at a corner or an edge of the box: the hard cases.
             let aim = one.low + (one.high - one.low) * DVec3::new(rng.below(2) as f64, rng.unit(), rng.below(2) as f64);
             let direction = (aim - origin).normalize();
-            let Some((near, _)) = root.clip(origin, direction, 0.0, 1e9, slack) else { continue };
-            let Some(_) = one.clip(origin, direction, 0.0, 1e9, 0.0) else { continue };
+            let Some((near, _)) = root.clip(origin, inverse(direction), 0.0, 1e9, slack) else { continue };
+            let Some(_) = one.clip(origin, inverse(direction), 0.0, 1e9, 0.0) else { continue };
             let mut boxes = Boxes8 { low: [[f32::INFINITY; 8]; 3], high: [[f32::NEG_INFINITY; 8]; 3] };
             for axis in 0..3 {
                 boxes.low[axis][3] = one.low[axis] as f32;
                 boxes.high[axis][3] = one.high[axis] as f32;
             }
-            let ray = SlabRay::new(origin, direction, near, slack);
+            let ray = SlabRay::new(origin, direction, inverse(direction), near, slack);
             assert_eq!(ray.meet::<<Portable as Lanes>::X8>(&boxes, f32::MAX).1, 1 << 3, "{one:?} from {origin}");
             met += 1;
         }

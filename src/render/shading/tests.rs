@@ -1,8 +1,8 @@
 //! Closed forms: furnaces and the Lambert plane.
 
-use super::super::test_scenes::{one, plane};
+use super::super::test_scenes::{of, one, plane};
 use super::*;
-use satseed_scene::{Class, Material, Scene};
+use satseed_scene::{Class, Field, Fractal, Layer, Material, Mesh, Scene, Space};
 
 /// A sky that is the same from everywhere, and no sun.
 fn furnace(radiance: f32) -> Light {
@@ -33,7 +33,7 @@ fn spot(scene: &Scene, light: &Light, ray: Ray, count: u32) -> f32 {
     let tracer = Tracer::new(scene);
     let samples: Vec<Sample> = (0..count).map(|i| Sample::new(4, 7, i, 11)).collect();
     let rays = vec![ray; count as usize];
-    radiance(&tracer, light, &rays, 1e-3, &samples).iter().map(|b| b[1]).sum::<f32>() / count as f32
+    radiance(&tracer, light, &rays, 1e-3, &samples, 1).iter().map(|b| b[1]).sum::<f32>() / count as f32
 }
 
 /// A convex body under a uniform sky sends back the sky's radiance times all that its surface does not absorb: nothing
@@ -115,7 +115,7 @@ fn a_lambert_plane_has_its_closed_form() {
     let light = Light::over(&environment, Bands::grey(0.4));
     let ray = Ray { origin: DVec3::new(1.0, 2.0, 900.0), direction: DVec3::NEG_Z };
     let hit = tracer.closest(&ray, 2000.0).expect("the plane is there");
-    let (shade, origin) = surface(&tracer, &ray, &hit, 0.3);
+    let (shade, origin) = (surface(&tracer, &ray, &hit, 0.3), Origin::on(&hit));
     let count = 4096;
     let (mut sun, mut sky) = (0.0, 0.0);
     for i in 0..count {
@@ -123,7 +123,8 @@ fn a_lambert_plane_has_its_closed_form() {
         let (to_sun, radiance) = sunlit(&light, &hit, &shade, ray.direction, sample.square(purpose::SUN));
         assert!(!tracer.blocked(&origin, to_sun, 1e4));
         sun += radiance[1];
-        let [side, _] = Side::of(&hit, &shade, 1.0);
+        let patch = Patch { ray: 0, cell: 0, count: 1, hit, point: place(&tracer, &ray, &hit, 0.3) };
+        let [side, _] = Side::of(&patch, &shade, 1.0);
         let side = side.expect("every surface has one");
         if let Some(direction) = side.direction(sample) {
             let square = sample.square(purpose::BOUNCE_SUN);
@@ -196,7 +197,7 @@ fn a_penumbra_is_as_wide_as_the_suns_disc() {
     for t in [-1.1, -0.6, 0.0, 0.4, 0.8, 1.1_f64] {
         let ray = Ray { origin: DVec3::new(t * radius_m, 3.0, 50.0), direction: DVec3::NEG_Z };
         let hit = tracer.closest(&ray, 100.0).expect("the ground is there");
-        let (shade, origin) = surface(&tracer, &ray, &hit, 0.3);
+        let (shade, origin) = (surface(&tracer, &ray, &hit, 0.3), Origin::on(&hit));
         let count = 4096;
         let lit = (0..count)
             .filter(|i| {
@@ -210,4 +211,69 @@ fn a_penumbra_is_as_wide_as_the_suns_disc() {
         let expected = 0.5 + (libm::asin(c) + c * (1.0 - c * c).sqrt()) / core::f64::consts::PI;
         assert!((lit - expected).abs() < 0.01, "{t}: {lit} against {expected}");
     }
+}
+
+/// What rays of a cell share costs no accuracy that counts: a plane of two materials, one of noise that a cell resolves, one
+/// plain, with a ridge across it that throws a shadow.
+#[test]
+fn cells_that_share_are_the_mean_of_their_rays() {
+    const PER_CELL: usize = 4;
+    let mut positions = Vec::new();
+    let (mut triangles, mut slots) = (Vec::new(), Vec::new());
+    for (k, (x0, x1)) in [(-50.0_f32, 0.0), (0.0, 50.0)].into_iter().enumerate() {
+        let first = positions.len() as u32;
+        positions.extend([[x0, -50.0, 0.0], [x1, -50.0, 0.0], [x1, 50.0, 0.0], [x0, 50.0, 0.0]]);
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        slots.extend([k as u16; 2]);
+    }
+    let first = positions.len() as u32;
+    positions.extend([[-50.0, 8.0, 0.0], [50.0, 8.0, 0.0], [50.0, 9.0, 3.0], [-50.0, 9.0, 3.0]]);
+    positions.extend([[-50.0, 10.0, 0.0], [50.0, 10.0, 0.0]]);
+    triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    triangles.extend([[first + 3, first + 2, first + 5], [first + 3, first + 5, first + 4]]);
+    slots.extend([1; 4]);
+    let rough = Material::diffuse("rough", Class::Ground, Bands::grey(0.3))
+        .rough(0.3)
+        .with(Layer::Brightness { amount: Field::Noise(Fractal::new(Space::World, 5, 0.9, 1)) });
+    let plain = Material::diffuse("plain", Class::Ground, Bands::grey(0.2));
+    // Off the planes between the light lattice's slabs.
+    positions.iter_mut().for_each(|p: &mut [f32; 3]| p[2] += 0.4);
+    let mesh = Mesh { positions_m: positions, triangles, slots, ..Mesh::default() };
+    let scene = of(mesh, vec![rough, plain]);
+    let tracer = Tracer::new(&scene);
+    let environment = Environment { sun_elevation_rad: 0.6, sun_azimuth_rad: 0.0, aerosol_optical_depth: 0.1 };
+    let light = Light::over(&environment, Bands::grey(0.2)).with_ambient(super::super::AmbientMode::PerScene, 60.0);
+    let side_m = 0.15;
+    let from = DVec3::new(3.0, -4.0, 900.0);
+    let cells: Vec<(i32, i32)> = (-40..40).flat_map(|j| (-40..40).map(move |i| (i, j * 3))).collect();
+    let (mut rays, mut samples) = (Vec::new(), Vec::new());
+    for (i, j) in &cells {
+        for index in 0..PER_CELL as u32 {
+            let sample = Sample::new(*i, *j, index, 3);
+            let step = DVec2::new(f64::from(index % 2), f64::from(index / 2));
+            let foot = (DVec2::new(f64::from(*i) - 0.5, f64::from(*j)) + (step + sample.square(0)) * 0.5) * side_m;
+            rays.push(Ray { origin: from, direction: (foot.extend(0.0) - from).normalize() });
+            samples.push(sample);
+        }
+    }
+    let spread = side_m / 900.0;
+    let together = radiance(&tracer, &light, &rays, spread, &samples, PER_CELL);
+    let alone = radiance(&tracer, &light, &rays, 0.5 * spread, &samples, 1);
+    let (mut square, mut sum, mut total) = (0.0, 0.0, 0.0);
+    let mut mixed = 0;
+    for (k, (i, _)) in cells.iter().enumerate() {
+        let mean = alone[k * PER_CELL..][..PER_CELL].iter().map(|b| f64::from(b[1])).sum::<f64>() / PER_CELL as f64;
+        let found = f64::from(together[k][1]);
+        square += (found - mean) * (found - mean);
+        sum += found - mean;
+        total += mean;
+        // Plain ground far from the ridge: nothing but the place on the sun's disc differs.
+        if *i > 2 && cells[k].1 < 0 {
+            assert!((found / mean - 1.0).abs() < 2e-3, "{found} against {mean}");
+        }
+        mixed += i32::from(*i == 0);
+    }
+    let n = cells.len() as f64;
+    let (rms, bias) = ((square / n).sqrt() / (total / n), sum / total);
+    assert!(mixed > 50 && rms < 0.01 && bias.abs() < 1e-3, "rms {rms}, bias {bias}, {mixed} cells at the border");
 }

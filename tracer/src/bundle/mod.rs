@@ -33,13 +33,12 @@ const STEEPEST: f64 = 1.6;
 /// Side of a square of neighbouring rays that fill a bundle.
 pub const TILE_SIDE: u32 = 16;
 
-/// The cells (column, row) of a tile in the order in which their rays make the narrowest packets: squares of 4 x 4.
+/// The cells (column, row) of a tile in the order in which their rays make the narrowest packets and bundles, however many
+/// rays a cell has: Morton's, in which every run of 4, 16 or 64 is a square.
 pub fn tile_order(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
-    let squares = move |j: u32| (0..width.div_ceil(4)).map(move |i| (4 * i, 4 * j));
-    (0..height.div_ceil(4))
-        .flat_map(squares)
-        .flat_map(|(x, y)| (0..16).map(move |k| (x + k % 4, y + k / 4)))
-        .filter(move |(x, y)| *x < width && *y < height)
+    let side = width.max(height).next_power_of_two();
+    let every_other = |n: u32| (0..16).fold(0, |sum, bit| sum | (n >> (2 * bit) & 1) << bit);
+    (0..side * side).map(move |n| (every_other(n), every_other(n >> 1))).filter(move |(x, y)| *x < width && *y < height)
 }
 
 dispatch! {

@@ -1,7 +1,7 @@
 //! Fractal noise for shapes (materials have their own, filtered, in the scene crate).
 
 use glam::DVec2;
-use satseed_scene::{gradient_noise_2d, hash_cell, unit_from_hash};
+use satseed_scene::{gradient_noise_2d_x4, hash_cell, unit_from_hash};
 
 /// Not an integer, so that the lattices of the octaves never fall together.
 const LACUNARITY: f64 = 1.97;
@@ -22,12 +22,22 @@ pub fn ridged(p_m: DVec2, seed: u32, wavelength_m: f64, octaves: u32, gain: f64)
 fn octave_sum(p_m: DVec2, seed: u32, wavelength_m: f64, octaves: u32, gain: f64, shape: impl Fn(f64) -> f64) -> f64 {
     let mut q = p_m / wavelength_m;
     let (mut sum, mut norm, mut amplitude) = (0.0, 0.0, 1.0);
-    for octave in 0..octaves {
-        let s = seed.wrapping_add(octave.wrapping_mul(0x9e37_79b9));
-        sum += amplitude * shape(f64::from(gradient_noise_2d(q.x, q.y, s)));
-        norm += amplitude * amplitude;
-        amplitude *= gain;
-        q = q.rotate(TURN) * LACUNARITY;
+    let mut octave = 0;
+    while octave < octaves {
+        // Four at a time, since they cost as much as one and a half.
+        let (mut x, mut y, mut seeds) = ([0.0; 4], [0.0; 4], [0; 4]);
+        let count = (octaves - octave).min(4) as usize;
+        for k in 0..count {
+            (x[k], y[k]) = (q.x, q.y);
+            seeds[k] = seed.wrapping_add((octave + k as u32).wrapping_mul(0x9e37_79b9));
+            q = q.rotate(TURN) * LACUNARITY;
+        }
+        for value in &gradient_noise_2d_x4(x, y, seeds)[..count] {
+            sum += amplitude * shape(f64::from(*value));
+            norm += amplitude * amplitude;
+            amplitude *= gain;
+        }
+        octave += 4;
     }
     sum / f64::sqrt(norm)
 }
