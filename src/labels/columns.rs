@@ -206,10 +206,12 @@ fn cover(grid: &Grid, rows: &core::ops::Range<usize>, corners: &[DVec3; 3], mut 
     let enters = area > 0.0;
     let [p, q, r] = if enters { [a, b, c] } else { [a, c, b] };
     let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+    let edges = [Edge::new(p, q), Edge::new(q, r), Edge::new(r, p)];
     for row in from..to {
         for column in columns.clone() {
             let at = grid.centre(column, row);
-            let [pq, qr, rp] = [(p, q), (q, r), (r, p)].map(|(from, to)| side(from.truncate(), to.truncate(), at));
+            // By name: `map` over an array is at times not compiled into this loop, which then takes twice as long.
+            let (pq, qr, rp) = (edges[0].side(at), edges[1].side(at), edges[2].side(at));
             if pq.0 && qr.0 && rp.0 {
                 let z = (r.z * pq.1 + p.z * qr.1 + q.z * rp.1) / (pq.1 + qr.1 + rp.1);
                 // A triangle nearly on edge has a height only within its corners'; a number that is none falls on the lowest.
@@ -220,14 +222,26 @@ fn cover(grid: &Grid, rows: &core::ops::Range<usize>, corners: &[DVec3; 3], mut 
     }
 }
 
-/// Whether a point lies to the left of an edge, and twice the area that it spans with it. The two triangles of an edge
-/// ask for it in opposite directions and get opposite answers, on the line as well: always the same end comes first.
-fn side(from: DVec2, to: DVec2, at: DVec2) -> (bool, f64) {
-    if (from.x, from.y) < (to.x, to.y) {
-        let area = (to - from).perp_dot(at - from);
-        (area >= 0.0, area)
-    } else {
-        let area = (from - to).perp_dot(at - to);
-        (area < 0.0, -area)
+/// An edge seen from above. The two triangles of an edge go along it in opposite directions and get opposite answers, on
+/// the line as well: always the same end comes first.
+struct Edge {
+    first: DVec2,
+    along: DVec2,
+    turned: bool,
+}
+
+impl Edge {
+    fn new(from: DVec3, to: DVec3) -> Self {
+        let (from, to) = (from.truncate(), to.truncate());
+        let turned = (from.x, from.y) >= (to.x, to.y);
+        let (first, last) = if turned { (to, from) } else { (from, to) };
+        Self { first, along: last - first, turned }
+    }
+
+    /// Whether a point lies to the left, and twice the area that it spans with the edge.
+    #[inline(always)]
+    fn side(&self, at: DVec2) -> (bool, f64) {
+        let area = self.along.perp_dot(at - self.first);
+        if self.turned { (area < 0.0, -area) } else { (area >= 0.0, area) }
     }
 }

@@ -21,15 +21,38 @@ enum Part {
     Scene,
     Sample,
     Hash,
+    /// That of a file which the scene's samples share.
+    SceneHash,
     End,
+}
+
+/// Words that look like hashes, one after the other.
+struct Hashes(u64);
+
+impl Hashes {
+    fn of(text: &str) -> Self {
+        Self(
+            text.bytes()
+                .fold(0xcbf2_9ce4_8422_2325, |h, byte| (h ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)),
+        )
+    }
+
+    fn next(&mut self, line: &mut String) {
+        for _ in 0..4 {
+            self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            let word = self.0 ^ self.0 >> 29;
+            line.extend((0..16).map(|k| char::from(b"0123456789abcdef"[(word >> (4 * k) & 15) as usize])));
+        }
+    }
 }
 
 impl Endless {
     fn new() -> Self {
         let file = |name: &str| {
-            let folder = if ["dsm", "dtm"].contains(&name) { "<scene>" } else { "<scene>/<sample>" };
+            let (folder, hash) =
+                if ["dsm", "dtm"].contains(&name) { ("<scene>", "scene hash") } else { ("<scene>/<sample>", "hash") };
             format!(
-                "\"{name}\":{{\"path\":\"{folder}/{name}.tif\",\"bytes\":1000,\"blake3\":\"<hash>\",\"pixels_blake3\":\"<hash>\"}}"
+                "\"{name}\":{{\"path\":\"{folder}/{name}.tif\",\"bytes\":1000,\"blake3\":\"<{hash}>\",\"pixels_blake3\":\"<{hash}>\"}}"
             )
         };
         let recipe = format!(
@@ -55,6 +78,7 @@ impl Endless {
                 "scene" => Part::Scene,
                 "sample" => Part::Sample,
                 "hash" => Part::Hash,
+                "scene hash" => Part::SceneHash,
                 _ => unreachable!("{name}"),
             };
             pieces.push((before.to_owned(), part));
@@ -64,26 +88,17 @@ impl Endless {
         Self { pieces, written: AtomicU64::new(0) }
     }
 
-    /// A sample's record; every sample's every file has a hash of its own.
+    /// A sample's record; every file has a hash of its own.
     fn record(&self, scene: &str, sample: &str, line: &mut String) {
-        let mut state = 0xcbf2_9ce4_8422_2325_u64;
-        for byte in scene.bytes().chain(sample.bytes()) {
-            state = (state ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
+        let mut of_scene = Hashes::of(scene);
+        let mut of_sample = Hashes(of_scene.0 ^ Hashes::of(sample).0);
         for (text, part) in &self.pieces {
             line.push_str(text);
             match part {
                 Part::Scene => line.push_str(scene),
                 Part::Sample => line.push_str(sample),
-                Part::Hash => {
-                    for _ in 0..4 {
-                        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-                        let word = state ^ state >> 29;
-                        for k in 0..16 {
-                            line.push(char::from(b"0123456789abcdef"[(word >> (4 * k) & 15) as usize]));
-                        }
-                    }
-                }
+                Part::Hash => of_sample.next(line),
+                Part::SceneHash => of_scene.next(line),
                 Part::End => {}
             }
         }
