@@ -212,7 +212,7 @@ fn samples(left: &Grey, warped: &Grey, whole: &[bool]) -> Vec<Sample> {
         let (here, there) = (left.at(u, v), warped.at(u, v));
         let gradient = (left.gradient(u, v) + warped.gradient(u, v)) / 2.0;
         let window = v / WINDOW_PX * windows + u / WINDOW_PX;
-        let sample = Sample { gradient, level: (here + there) / 2.0, difference: there - here, window };
+        let sample = Sample { gradient, level: f64::midpoint(here, there), difference: there - here, window };
         (gradient.is_finite() && there.is_finite()).then_some(sample)
     };
     (0..whole.len()).filter(|at| whole[*at]).filter_map(sample).collect()
