@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, clippy::format_collect)]
 
+mod support;
+
 use satseed::plan::Plan;
 use satseed::recipe::{PRESETS, Preset, Recipe, RecipeError};
 use satseed_scene::{Rng, SeedPath};
@@ -123,27 +125,7 @@ fn pick<'a>(texts: &[&'a str], rng: &mut Rng) -> &'a str {
 
 fn mutate(text: &str, rng: &mut Rng) -> String {
     let mut bytes = text.as_bytes().to_vec();
-    for _ in 0..=rng.below(4) {
-        let at = rng.below(bytes.len() as u64 + 1) as usize;
-        let end = (at + 1 + rng.below(24) as usize).min(bytes.len());
-        match rng.below(6) {
-            0 if at < bytes.len() => bytes[at] = rng.below(256) as u8,
-            1 if at < bytes.len() => bytes[at] ^= 1 << rng.below(8),
-            2 => drop(bytes.drain(at..end)),
-            3 => {
-                let copy = bytes[at..end].to_vec();
-                let to = rng.below(bytes.len() as u64 + 1) as usize;
-                drop(bytes.splice(to..to, copy));
-            }
-            4 => {
-                let line_ends: Vec<_> = (0..bytes.len()).filter(|i| bytes[*i] == b'\n').collect();
-                if let [first, .., last] = line_ends[..] {
-                    bytes.rotate_left(if rng.chance(0.5) { first + 1 } else { last + 1 });
-                }
-            }
-            _ => drop(bytes.splice(at..at, pick(WORDS, rng).bytes())),
-        }
-    }
+    support::mutate::mutate(&mut bytes, WORDS, rng);
     String::from_utf8_lossy(&bytes).into_owned()
 }
 

@@ -15,8 +15,8 @@ use crate::dataset::{Dataset, ReadError, SampleRecord};
 use layouts::Coded;
 use pair::Pair;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::io;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// What is made of each sample before it is written.
@@ -123,6 +123,8 @@ struct Place {
     /// Of all pairs, from 0, and of its region's.
     number: usize,
     in_region: usize,
+    /// Its sample among all that are exported, from 0.
+    sample: usize,
     /// Of its sample's tiles, row and column.
     tile: [u32; 2],
 }
@@ -188,19 +190,30 @@ fn write_all(
             (*r, [k, *next - 1])
         })
         .collect();
+    let (together, end) = options.layout.shared();
     let exported: Vec<(Exported, Vec<String>)> = numbered
-        .par_iter()
-        .map(|(record, number)| {
-            let coded = sample(dataset, record, *number, options)?;
+        .par_chunks(together)
+        .map(|group| {
             let mut exported = Exported::default();
-            for (path, bytes) in coded.iter().flat_map(|c| &c.files) {
-                write(&root.join(path), bytes)?;
-                exported.files += 1;
-                exported.bytes += bytes.len() as u64;
+            let mut listed = Vec::new();
+            let mut begun: BTreeSet<String> = BTreeSet::new();
+            for (record, number) in group {
+                let coded = sample(dataset, record, *number, options)?;
+                exported.pairs += coded.len();
+                for (path, bytes) in coded.iter().flat_map(|c| &c.files) {
+                    let first = begun.insert(path.clone());
+                    write(&root.join(path), bytes, first)?;
+                    exported.files += usize::from(first);
+                    exported.bytes += bytes.len() as u64;
+                }
+                listed.extend(coded.into_iter().flat_map(|c| c.listed));
+                done(record.id());
             }
-            exported.pairs = coded.len();
-            done(record.id());
-            Ok((exported, coded.into_iter().flat_map(|c| c.listed).collect()))
+            for path in begun.iter().filter(|_| !end.is_empty()) {
+                write(&root.join(path), end, false)?;
+                exported.bytes += end.len() as u64;
+            }
+            Ok((exported, listed))
         })
         .collect::<Result<_, ExportError>>()?;
     let mut sum = Exported::default();
@@ -213,7 +226,7 @@ fn write_all(
     }
     let listed: Vec<String> = exported.into_iter().flat_map(|(_, listed)| listed).collect();
     for (path, bytes) in options.layout.closing(&listed) {
-        write(&root.join(path), &bytes)?;
+        write(&root.join(path), &bytes, true)?;
         sum.files += 1;
         sum.bytes += bytes.len() as u64;
     }
@@ -256,17 +269,20 @@ fn sample(
             if count > 1 {
                 pair.name = format!("{}_t{:02}-{:02}", pair.name, tile[0], tile[1]);
             }
-            let place = Place { number: number * count + k, in_region: in_region * count + k, tile };
+            let place = Place { number: number * count + k, in_region: in_region * count + k, sample: number, tile };
             options.layout.code(&pair, place)
         })
         .collect()
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
+/// Writes a file, or goes on with one that was begun.
+fn write(path: &Path, bytes: &[u8], first: bool) -> Result<(), ExportError> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
     }
-    std::fs::write(path, bytes).map_err(|e| failed(path, e))
+    let mut options = std::fs::OpenOptions::new();
+    let file = if first { options.write(true).create(true).truncate(true) } else { options.append(true) };
+    file.open(path).and_then(|mut file| file.write_all(bytes)).map_err(|e| failed(path, e))
 }
 
 fn failed(path: &Path, reason: io::Error) -> ExportError {

@@ -248,16 +248,22 @@ for sample in ids:
 # Tar shards: cropped tiles of half size. Labels stand where the native ones do, and the camera knows it.
 out = export("webdataset", "--downsample", "2", "--crop", "overlap", "--tile", "48")
 shards = sorted(out.glob("shards/*.tar"))
-check(len(shards) >= len(ids), f"webdataset: {len(shards)} shards")
+check(len(shards) == (len(ids) + 7) // 8, f"webdataset: {len(shards)} shards")
+entries = {}
 for path in shards:
+    check(path.read_bytes()[-1024:] == bytes(1024), "webdataset: a shard has its end")
     with tarfile.open(path) as tar:
-        files = {m.name.split(".", 1)[1]: tar.extractfile(m).read() for m in tar.getmembers()}
-        check(len({m.name.split(".", 1)[0] for m in tar.getmembers()}) == 1, "webdataset: one key")
+        names = [m.name.split(".", 1)[0] for m in tar.getmembers()]
+        check(names == sorted(names, key=names.index), "webdataset: a sample's files stand together")
+        for member in tar.getmembers():
+            key, ending = member.name.split(".", 1)
+            entries.setdefault(key, {})[ending] = tar.extractfile(member).read()
+check(len(entries) >= len(ids) and {of(key) for key in entries} == set(ids), f"webdataset: {len(entries)} samples")
+for key, files in entries.items():
     camera = json.loads(files["camera.json"])
     found = np.array(Image.open(io.BytesIO(files["disparity.tif"])))
     check(found.shape == (48, 48) and camera["left"]["width_px"] == 48, "webdataset: tiles")
-    sample = of(path)
-    images, disparities, maps, before = whole[sample]
+    images, disparities, maps, before = whole[of(key)]
     # The place of each pixel in the native frame, from the principal points alone.
     x = np.arange(48)
     u = 2 * (x - camera["left"]["cx_px"]) + before["left"]["cx_px"]

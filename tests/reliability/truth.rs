@@ -1,6 +1,8 @@
 //! What `verify` and `info` say of a dataset.
 
 use super::bench::{Bench, Draws, Tree, assert_same, succeeds, text, tree, verify};
+use satseed::dataset::formats::{PixelKind, Pixels, Plane};
+use satseed::dataset::{FileRecord, MANIFEST, ManifestHash, PAGES, PART, RECIPE, ROOT_HASH, SAMPLE, parse_lines};
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
@@ -64,4 +66,70 @@ fn verify_and_info_tell_the_truth() {
     succeeds(&mut bench.generate(&again, &["--seeds", seeds.to_str().unwrap()]));
     let scene_files = |tree: Tree| -> Tree { tree.into_iter().filter(|(p, _)| p.ends_with("scene.json")).collect() };
     assert_same(&scene_files(tree(&again)), &scene_files(tree(&out)), "from the seed list");
+}
+
+/// A forger who changes a label and every hash after it passes all checks but one: what the seed makes. For that the recipe and
+/// the manifest are enough, however little of the dataset lies beside them.
+#[test]
+fn making_again_finds_a_forged_label() {
+    let bench = Bench::new();
+    let out = bench.out("forged");
+    succeeds(&mut bench.generate(&out, &[]));
+    for page in PAGES {
+        fs::remove_file(out.join(page)).unwrap();
+    }
+    let named = |report: &serde_json::Value, fault: &str| -> Vec<serde_json::Value> {
+        report["findings"].as_array().unwrap().iter().filter(|f| f["fault"] == fault).cloned().collect()
+    };
+    let manifest_alone = |name: &str| {
+        let part = bench.out(name);
+        fs::create_dir(&part).unwrap();
+        for file in [RECIPE, MANIFEST, ROOT_HASH] {
+            fs::copy(out.join(file), part.join(file)).unwrap();
+        }
+        verify(&part, &["--regenerate", "12"]).1
+    };
+    let report = manifest_alone("sound-manifest");
+    assert!(named(&report, "missing").len() > 100 && named(&report, "not-reproduced").is_empty(), "{report:#}");
+
+    let manifest = fs::read_to_string(out.join(MANIFEST)).unwrap();
+    let mut record = parse_lines(&manifest).unwrap().swap_remove(5);
+    let old_line = record.to_line();
+    let file = record.files["disparity_left"].clone();
+    let mut plane = Plane::decode(&fs::read(out.join(&file.path)).unwrap(), PixelKind::Float, 32, 24).unwrap();
+    let Pixels::Float(disparity_px) = &mut plane.pixels else { panic!("floats") };
+    // Neither the lowest nor the highest, so that the record's statistics still hold.
+    let [low, high] = [record.disparity_min_px.unwrap(), record.disparity_max_px.unwrap()];
+    let at = disparity_px.iter().rposition(|d| *d > low && *d < high - 0.01).unwrap();
+    disparity_px[at] += 0.01;
+    let forged = disparity_px[at];
+    let bytes = plane.encode().unwrap();
+    let forged_file = FileRecord::of(file.path.clone(), &bytes, Some(plane.pixel_hash()));
+    record.files.insert("disparity_left".to_owned(), forged_file.clone());
+    let manifest = manifest.replace(&old_line, &record.to_line());
+    fs::write(out.join(&file.path), bytes).unwrap();
+    fs::write(out.join(record.id()).join(SAMPLE), record.to_line()).unwrap();
+    fs::write(out.join(record.scene()).join(PART), &manifest).unwrap();
+    fs::write(out.join(MANIFEST), &manifest).unwrap();
+    fs::write(out.join(ROOT_HASH), ManifestHash::of(manifest.as_bytes()).to_file()).unwrap();
+    let (code, report) = verify(&out, &[]);
+    assert_eq!((code, report["findings"].as_array().unwrap().len()), (0, 0), "{report:#}");
+
+    let (code, report) = verify(&out, &["--regenerate", "12"]);
+    let findings = report["findings"].as_array().unwrap();
+    assert_eq!((code, findings.len()), (1, 1), "{report:#}");
+    let hashes = [&forged_file, &file].map(|f| f.pixels_blake3.clone().unwrap());
+    let told = |finding: &serde_json::Value| {
+        assert_eq!((&finding["path"], &finding["fault"]), (&file.path.clone().into(), &"not-reproduced".into()));
+        let detail = finding["detail"].as_str().unwrap().to_owned();
+        assert!(hashes.iter().all(|hash| detail.contains(hash)), "{detail}");
+        detail
+    };
+    let place = format!("first at pixel ({}, {}): {forged} ", at % 32, at / 32);
+    let detail = told(&findings[0]);
+    assert!(detail.contains(&place), "{detail} / {place}");
+    let report = manifest_alone("forged-manifest");
+    let findings = named(&report, "not-reproduced");
+    assert_eq!(findings.len(), 1, "{report:#}");
+    told(&findings[0]);
 }

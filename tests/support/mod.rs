@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub(crate) mod cracks;
+pub(crate) mod mutate;
 pub(crate) mod small;
 pub(crate) mod solids;
 pub(crate) mod stage;

@@ -129,7 +129,7 @@ pub enum FormatError {
         found_height: u32,
     },
     /// The file holds another kind of values.
-    #[error("it holds {found}, but {expected:?} is expected")]
+    #[error("it holds {}, but {expected:?} is expected", shown(found))]
     Kind {
         /// Expected kind.
         expected: PixelKind,
@@ -137,11 +137,16 @@ pub enum FormatError {
         found: String,
     },
     /// The file cannot be decoded.
-    #[error("it cannot be decoded: {0}")]
+    #[error("it cannot be decoded: {}", shown(.0))]
     Decode(String),
     /// The array cannot be encoded.
     #[error("the array cannot be encoded: {0}")]
     Encode(String),
+}
+
+/// A decoder's words, which may quote a stranger's file: not too long, and nothing that steers a terminal.
+fn shown(text: &str) -> String {
+    text.chars().take(200).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
 impl Plane {

@@ -157,7 +157,9 @@ pub enum StoreError {
 /// # Errors
 /// [`StoreError::BadPath`] with what is wrong.
 pub fn check_path(path: &str) -> Result<(), StoreError> {
-    let bad = |why| Err(StoreError::BadPath { path: path.chars().take(200).collect(), why });
+    // Escaped: a stranger's path must not steer a terminal.
+    let shown = || path.chars().take(200).flat_map(char::escape_default).collect();
+    let bad = |why| Err(StoreError::BadPath { path: shown(), why });
     if path.is_empty() || path.len() > 512 {
         return bad("a path has 1 to 512 characters");
     }

@@ -6,7 +6,6 @@ use super::super::pair::{Pair, Side};
 use super::{Files, Unfit};
 use crate::dataset::formats::{Pixels, Plane};
 use crate::dataset::validity;
-use serde_json::json;
 
 /// Where there is no value, in US3D and WHU-Stereo.
 const NO_DATA: f32 = -999.0;
@@ -95,18 +94,22 @@ pub(super) fn pandora(pair: &Pair) -> Files {
     let (width, height) = (image.width, image.height);
     let truth: Vec<f32> = pair.left.seen_by_both().into_iter().map(|d| -d).collect();
     let range = pair.camera.disparity_range_px.unwrap_or([0.0, 0.0]);
-    let config = json!({
-        "input": {
-            "left": {"img": "left.tif", "disp": [-(range[1].ceil() as i64), -(range[0].floor() as i64)], "mask": "left_mask.tif", "nodata": "NaN"},
-            "right": {"img": "right.tif", "nodata": "NaN"},
-        },
-        "pipeline": {
-            "matching_cost": {"matching_cost_method": "zncc", "window_size": 5, "subpix": 1},
-            "disparity": {"disparity_method": "wta", "invalid_disparity": INVALID},
-        },
-    });
-    let mut text = serde_json::to_string_pretty(&config).unwrap_or_default();
-    text.push('\n');
+    // Pandora walks through its pipeline in the order of the file, which a map of keys does not keep.
+    let config = format!(
+        r#"{{
+  "input": {{
+    "left": {{"img": "left.tif", "disp": [{}, {}], "mask": "left_mask.tif", "nodata": "NaN"}},
+    "right": {{"img": "right.tif", "nodata": "NaN"}}
+  }},
+  "pipeline": {{
+    "matching_cost": {{"matching_cost_method": "zncc", "window_size": 5, "subpix": 1}},
+    "disparity": {{"disparity_method": "wta", "invalid_disparity": {INVALID:?}}}
+  }}
+}}
+"#,
+        -(range[1].ceil() as i64),
+        -(range[0].floor() as i64),
+    );
     let name = &pair.name;
     // 0 is valid; occluded pixels belong to the left image too and are no fault of it.
     let mask = Pixels::Gray(map.iter().map(|v| u8::from(*v == validity::MISS)).collect());
@@ -117,6 +120,6 @@ pub(super) fn pandora(pair: &Pair) -> Files {
         (format!("{name}/left_mask.tif"), Plane { width, height, pixels: mask }.encode_tiff()?),
         (format!("{name}/left_disparity.tif"), float_tiff(width, height, coded(truth, INVALID))?),
         (format!("{name}/left_occlusion.png"), gray(width, height, seen)?),
-        (format!("{name}/config.json"), text.into_bytes()),
+        (format!("{name}/config.json"), config.into_bytes()),
     ])
 }

@@ -109,7 +109,12 @@ impl Layout {
         if self == Self::Crestereo { counts::CRESTEREO_FOLDERS.len() } else { 1 }
     }
 
-    /// A pair's files.
+    /// How many of a dataset's samples share files, one written after the other, and what ends such a file.
+    pub(super) fn shared(self) -> (usize, &'static [u8]) {
+        if self == Self::Webdataset { (tar::SAMPLES, &tar::END) } else { (1, &[]) }
+    }
+
+    /// A pair's files. What belongs to a file of the same name that another pair of its samples began goes to its end.
     pub(super) fn code(self, pair: &Pair, place: Place) -> Result<Coded, ExportError> {
         let id = pair.identity.id.clone();
         let files = match self {
@@ -125,7 +130,7 @@ impl Layout {
             Self::Us3d => geo::us3d(pair, place),
             Self::Whu => geo::whu(pair, place),
             Self::Pandora => geo::pandora(pair),
-            Self::Webdataset => tar::shard(pair),
+            Self::Webdataset => tar::entries(pair, place),
         };
         match files {
             Ok(files) => Ok(Coded { files, listed: vec![pair.name.clone()] }),

@@ -1,12 +1,18 @@
 //! Tar shards for streaming: `{key}.left.png` and so on, in the native coding.
 
+use super::super::Place;
 use super::super::encode::{float_tiff, gray};
 use super::super::pair::{Pair, Side};
 use super::{Files, Unfit};
 use crate::dataset::formats::FormatError;
 
-/// A shard of one pair; a loader takes any number of them (`shards/*.tar`).
-pub(super) fn shard(pair: &Pair) -> Files {
+/// Samples of the dataset in a shard, all of their tiles side by side: at 2048 x 2048 px some 200 MB, which loaders stream well.
+pub(super) const SAMPLES: usize = 8;
+/// What ends a tar file.
+pub(super) const END: [u8; 1024] = [0; 1024];
+
+/// A pair's entries, which follow upon those of the pairs before it in the same shard.
+pub(super) fn entries(pair: &Pair, place: Place) -> Files {
     let mut shard = ::tar::Builder::new(Vec::new());
     let failed = |e: std::io::Error| Unfit::Format(FormatError::Encode(e.to_string()));
     let mut put = |name: &str, bytes: &[u8]| {
@@ -29,6 +35,7 @@ pub(super) fn shard(pair: &Pair) -> Files {
     let mut camera = serde_json::to_vec_pretty(&pair.camera).unwrap_or_default();
     camera.push(b'\n');
     put("camera.json", &camera)?;
-    let bytes = shard.into_inner().map_err(failed)?;
-    Ok(vec![(format!("shards/{}.tar", pair.name), bytes)])
+    // Without the end that a finished tar has: that comes after the shard's last pair.
+    let bytes = std::mem::take(shard.get_mut());
+    Ok(vec![(format!("shards/{:06}.tar", place.sample / SAMPLES), bytes)])
 }
