@@ -199,12 +199,7 @@ fn detail(b: &Building, near_m: f64) -> Detail {
 fn buildings_of(a: &mut Assembly<'_>, plan: &CityPlan) {
     let all: Vec<&(String, Building)> = plan.parts.iter().flat_map(|(_, c)| &c.buildings).collect();
     let near = a.detail_m;
-    let meshes: Vec<Mesh> = all
-        .par_iter()
-        .map(|(_, b)| {
-            building_mesh(b, detail(b, near))
-        })
-        .collect();
+    let meshes: Vec<Mesh> = all.par_iter().map(|(_, b)| building_mesh(b, detail(b, near))).collect();
     for ((name, building), mesh) in all.into_iter().zip(meshes) {
         let key = a.city.child(name);
         let set = a.materials.building_set(building.kind, detail(building, near) == Detail::Massing, &key);

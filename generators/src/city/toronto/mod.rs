@@ -41,7 +41,8 @@ pub(super) mod ground_slot {
     pub(in crate::city) const MANHOLE: u16 = 16;
     /// The first of `STREET_KINDS * ROAD_AGES` carriageways.
     pub(in crate::city) const ROAD: u16 = 17;
-    pub(in crate::city) const COUNT: usize = (ROAD + super::materials::STREET_KINDS * super::materials::ROAD_AGES) as usize;
+    pub(in crate::city) const COUNT: usize =
+        (ROAD + super::materials::STREET_KINDS * super::materials::ROAD_AGES) as usize;
 }
 
 /// Which part of the city.

@@ -51,7 +51,8 @@ fn lot(name: &str, class: Class, age: f32, seed: u32) -> Material {
     let rows = repeating(Coordinate::V, 17.5, 11.0, -5.5);
     let wear = noise(seed ^ 0x11, 5.0, 3).affine(0.7, 0.95 - 0.5 * age).ramp(0.0, 1.0);
     let lines = Field::Product(vec![repeating(Coordinate::U, 2.6, 0.11, -0.055), rows.clone(), wear]);
-    let oil = Field::Product(vec![repeating(Coordinate::U, 2.6, 0.8, 0.9), rows, noise(seed ^ 0x12, 1.7, 2).ramp(0.0, 0.5)]);
+    let oil =
+        Field::Product(vec![repeating(Coordinate::U, 2.6, 0.8, 0.9), rows, noise(seed ^ 0x12, 1.7, 2).ramp(0.0, 0.5)]);
     let base = match class {
         Class::Roof => concrete(name, class, 0.27 - 0.05 * age, 9.1, seed),
         _ => bleached(asphalt(name, age, seed), 0.45 * age, seed),
@@ -62,7 +63,8 @@ fn lot(name: &str, class: Class, age: f32, seed: u32) -> Material {
 
 /// Pavers of a square in fields of two shades.
 fn pavers(name: &str, base: Bands, field_m: f32, seed: u32) -> Material {
-    let fields = Field::Product(vec![repeating(Coordinate::U, field_m, 0.6, 0.0), noise(seed, 60.0, 1).ramp(-1.0, -0.9)]);
+    let fields =
+        Field::Product(vec![repeating(Coordinate::U, field_m, 0.6, 0.0), noise(seed, 60.0, 1).ramp(-1.0, -0.9)]);
     let cross = repeating(Coordinate::V, field_m, 0.6, 0.0);
     aged(Material::diffuse(name, Class::Ground, base).rough(0.35), seed, 0.1, 0.08)
         .with(brightness(Field::Max(vec![fields, cross]).times(-0.22)))
@@ -116,10 +118,14 @@ fn ground(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     put(last + 3, bleached(asphalt("yard asphalt, old", 0.85, s("yard 3")), 0.2, s("yard 3")));
     put(last + 4, bleached(asphalt("yard asphalt, bleached", 1.0, s("yard 4")), 0.5, s("yard 4")));
     put(last + 5, concrete("yard concrete", Class::Ground, 0.27, 4.0, s("yard 5")));
-    let weeds = Field::Product(vec![noise(s("yard 6"), 6.0, 3).ramp(0.05, 0.4), noise(s("yard 7"), 1.3, 2).ramp(0.0, 0.4)]);
+    let weeds =
+        Field::Product(vec![noise(s("yard 6"), 6.0, 3).ramp(0.05, 0.4), noise(s("yard 7"), 1.3, 2).ramp(0.0, 0.4)]);
     let bare = Material::diffuse("yard dirt", Class::Ground, bgr(0.14, 0.185, 0.23)).rough(0.5);
     let bare = aged(bare, s("yard 8"), 0.2, 0.16)
-        .with(Layer::Mix { color: bgr(0.19, 0.235, 0.27), amount: noise(s("yard 9"), 11.0, 4).ramp(0.0, 0.4).times(0.6) })
+        .with(Layer::Mix {
+            color: bgr(0.19, 0.235, 0.27),
+            amount: noise(s("yard 9"), 11.0, 4).ramp(0.0, 0.4).times(0.6),
+        })
         .with(Layer::Mix { color: Bands::new(0.06, 0.095, 0.09, 0.3), amount: weeds.times(0.7) });
     put(last + 6, bare);
     put(last + 7, pavers("granite square", bgr(0.21, 0.235, 0.255), 7.2, s("square 0")));
@@ -178,7 +184,10 @@ impl Materials {
             let m = self.add(m);
             self.urban.shops.push(m);
         }
-        for (k, base) in [bgr(0.34, 0.36, 0.37), bgr(0.27, 0.31, 0.34), bgr(0.2, 0.24, 0.27), bgr(0.42, 0.44, 0.45)].into_iter().enumerate() {
+        for (k, base) in [bgr(0.34, 0.36, 0.37), bgr(0.27, 0.31, 0.34), bgr(0.2, 0.24, 0.27), bgr(0.42, 0.44, 0.45)]
+            .into_iter()
+            .enumerate()
+        {
             let joints = repeating(Coordinate::U, 7.3, 0.12, 0.0);
             let m = wall(&format!("hall {k}"), base, seed("hall", k as u64)).with(brightness(joints.times(-0.3)));
             let m = self.add(m);
@@ -202,9 +211,15 @@ impl Materials {
             self.urban.home_glass.push(m);
         }
         let s = seed("shop glass", 0);
-        self.urban.shop_glass = self.add(glass("city shop window", bgr(0.05, 0.05, 0.05), bgr(0.3, 0.31, 0.32), 1.0, 0.2, s));
+        self.urban.shop_glass =
+            self.add(glass("city shop window", bgr(0.05, 0.05, 0.05), bgr(0.3, 0.31, 0.32), 1.0, 0.2, s));
         for (k, base) in [bgr(0.1, 0.11, 0.11), bgr(0.36, 0.38, 0.39), bgr(0.2, 0.21, 0.2)].into_iter().enumerate() {
-            let m = self.add(aged(Material::diffuse(&format!("guard {k}"), Class::Facade, base), seed("guard", k as u64), 0.06, 0.04));
+            let m = self.add(aged(
+                Material::diffuse(&format!("guard {k}"), Class::Facade, base),
+                seed("guard", k as u64),
+                0.06,
+                0.04,
+            ));
             self.urban.guards.push(m);
         }
     }
@@ -231,7 +246,13 @@ impl Materials {
             self.urban.terraces.push(m);
         }
         for (k, level) in [0.34, 0.28, 0.22].into_iter().enumerate() {
-            let m = self.add(concrete(&format!("city concrete {k}"), Class::Facade, level, 0.0, seed("concrete", k as u64)));
+            let m = self.add(concrete(
+                &format!("city concrete {k}"),
+                Class::Facade,
+                level,
+                0.0,
+                seed("concrete", k as u64),
+            ));
             self.urban.concrete.push(m);
             let m = self.add(lot(&format!("deck {k}"), Class::Roof, k as f32 * 0.5, seed("deck", k as u64)));
             self.urban.decks.push(m);
@@ -239,23 +260,40 @@ impl Materials {
     }
 
     fn urban_things(&mut self, seed: &impl Fn(&str, u64) -> u32) {
-        let mut water = Material::diffuse("roof pool", Class::Water, Bands::new(0.3, 0.34, 0.13, 0.02));
+        let mut water = Material::diffuse("roof pool", Class::Water, Bands::new(0.27, 0.285, 0.13, 0.02));
         water.brdf = Brdf::Coated { index: Brdf::WATER_INDEX };
         self.urban.water = self.add(water);
         let white = Material::diffuse("roof paint", Class::Roof, bgr(0.55, 0.57, 0.58));
         self.urban.paint = self.add(aged(white, seed("paint", 0), 0.1, 0.06));
-        for (k, base) in [bgr(0.16, 0.17, 0.18), bgr(0.3, 0.31, 0.31), bgr(0.07, 0.085, 0.25), bgr(0.12, 0.17, 0.1)].into_iter().enumerate() {
+        for (k, base) in [bgr(0.16, 0.17, 0.18), bgr(0.3, 0.31, 0.31), bgr(0.07, 0.085, 0.25), bgr(0.12, 0.17, 0.1)]
+            .into_iter()
+            .enumerate()
+        {
             let m = Material::diffuse(&format!("landing pad {k}"), Class::Roof, base);
             let m = self.add(aged(m, seed("pad", k as u64), 0.12, 0.08));
             self.urban.pads.push(m);
         }
-        let signs = [bgr(0.6, 0.62, 0.63), bgr(0.55, 0.58, 0.6), bgr(0.06, 0.07, 0.32), bgr(0.28, 0.14, 0.05), bgr(0.1, 0.24, 0.1), bgr(0.08, 0.3, 0.42), bgr(0.14, 0.15, 0.16)];
+        let signs = [
+            bgr(0.6, 0.62, 0.63),
+            bgr(0.55, 0.58, 0.6),
+            bgr(0.06, 0.07, 0.32),
+            bgr(0.28, 0.14, 0.05),
+            bgr(0.1, 0.24, 0.1),
+            bgr(0.08, 0.3, 0.42),
+            bgr(0.14, 0.15, 0.16),
+        ];
         for (k, base) in signs.into_iter().enumerate() {
             let m = Material::diffuse(&format!("canopy {k}"), Class::Roof, base).rough(0.2);
             let m = self.add(aged(m, seed("canopy", k as u64), 0.1, 0.06));
             self.urban.canopies.push(m);
         }
-        let boxes = [bgr(0.07, 0.09, 0.2), bgr(0.2, 0.11, 0.06), bgr(0.1, 0.15, 0.1), bgr(0.36, 0.37, 0.37), bgr(0.05, 0.12, 0.24)];
+        let boxes = [
+            bgr(0.07, 0.09, 0.2),
+            bgr(0.2, 0.11, 0.06),
+            bgr(0.1, 0.15, 0.1),
+            bgr(0.36, 0.37, 0.37),
+            bgr(0.05, 0.12, 0.24),
+        ];
         for (k, base) in boxes.into_iter().enumerate() {
             let m = Material::diffuse(&format!("container {k}"), Class::OtherStructure, base).rough(0.2);
             let ribs = repeating(Coordinate::V, 0.6, 0.3, 0.0);
@@ -317,9 +355,16 @@ impl Materials {
         put(slot::ROOF, roof);
         put(slot::METAL, of(&self.metal, &mut rng));
         put(slot::SHOP, book.shop_glass);
-        put(slot::GUARD, if matches!(usage, Use::Works | Use::Store) { of(&self.doors, &mut rng) } else { of(&book.guards, &mut rng) });
+        put(
+            slot::GUARD,
+            if matches!(usage, Use::Works | Use::Store) {
+                of(&self.doors, &mut rng)
+            } else {
+                of(&book.guards, &mut rng)
+            },
+        );
         put(slot::PANEL, self.panel);
-        put(slot::GREEN, of(&self.shrubs, &mut rng));
+        put(slot::GREEN, of(&self.shrubs[..3], &mut rng));
         put(slot::DARK, self.dark);
         put(slot::TERRACE, of(&book.terraces, &mut rng));
         put(part::STALLS, of(&book.decks, &mut rng));

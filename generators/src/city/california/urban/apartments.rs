@@ -1,6 +1,6 @@
 //! Apartments of two and three storeys: boxes on posts over their cars, courts with a pool, walk-ups on the arterials.
 
-use super::fittings::{block, canopy, pool};
+use super::fittings::{block, canopy, pool, wall};
 use super::site::{Draft, GROUNDED, Place, Rect, Work, corners, plain};
 use super::{Use, ground, part};
 use crate::city::california::ground_slot as suburb;
@@ -22,10 +22,14 @@ fn carport(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut Rng) {
     let (x0, x1, y0) = (r[0] + 0.4, r[1] - 0.4, r[3] - 5.6);
     let stalls = libm::floor((x1 - x0) / 2.7).max(1.0) as u32;
     let roof = [x0, x1, y0, r[3] - 0.1];
-    let mut draft = Draft::new(Use::Apartments, vec![plain(corners([x0, x1, y0, y0 + 0.22]), GROUNDED, 2.1, 0.08)]);
+    let mut draft =
+        Draft::new(Use::Apartments, vec![plain(corners([x0, x0 + 1.3, y0 + 2.0, y0 + 5.0]), GROUNDED, 2.1, 0.06)]);
     draft.extras.extend(canopy(roof, 2.25, 0.22, stalls.div_ceil(2)).into_iter().map(Extra::Fitting));
+    let back = wall(DVec2::new(x0, y0 + 0.2), DVec2::new(x1, y0 + 0.2), 0.18, [-0.8, 2.3], slot::WALL);
+    draft.extras.push(Extra::Fitting(back));
     let full = rng.range(0.4, 0.8) * work.params.vehicles;
-    for k in 0..stalls {
+    // Things are stored at one end.
+    for k in 1..stalls {
         if rng.chance(full.min(1.0)) {
             let body = draw_body(rng, false);
             if body.size_m()[2] < 2.1 {
@@ -40,14 +44,14 @@ fn carport(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut Rng) {
 /// A box whose front stands on posts over a row of cars.
 pub(super) fn dingbat(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let mut rng = place.key.child("dingbat").rng();
-    let Some(r) = place.rect(rng.range(3.0, 5.5), rng.range(1.0, 1.6), 0.3) else { return false };
+    let Some(r) = place.rect(rng.range(2.6, 5.0), rng.range(0.9, 1.4), 0.3) else { return false };
     let (wide, deep) = (r[1] - r[0], r[3] - r[2]);
     if wide < 10.0 || deep < 24.0 {
         return false;
     }
-    let alley = rng.chance(0.55);
+    let alley = rng.chance(0.4);
     let rear = r[3] - if alley { rng.range(12.4, 14.0) } else { rng.range(1.5, 4.0) };
-    let walk = rng.range(1.6, 3.0);
+    let walk = rng.range(1.5, 2.4);
     let body = if rng.chance(0.5) { [r[0], r[1] - walk, r[2], rear] } else { [r[0] + walk, r[1], r[2], rear] };
     let floors = if rng.chance(0.6) { 2.0 } else { 3.0 };
     let roof_m = floors * STOREY_M + rng.range(0.2, 0.5);
@@ -58,23 +62,41 @@ pub(super) fn dingbat(work: &mut Work<'_>, place: &Place<'_>) -> bool {
         vec![plain(corners([body[0], body[1], body[2] + overhang, body[3]]), GROUNDED, roof_m, parapet)],
     );
     if overhang > 0.0 {
-        draft.masses.push(plain(corners([body[0] + 0.02, body[1] - 0.02, body[2], body[2] + overhang + 0.4]), 2.5, roof_m - 0.03, parapet));
+        draft.masses.push(plain(
+            corners([body[0] + 0.02, body[1] - 0.02, body[2], body[2] + overhang + 0.4]),
+            2.5,
+            roof_m - 0.03,
+            parapet,
+        ));
         let posts = libm::round((body[1] - body[0]) / 5.4).max(1.0) as u32;
         for k in 0..=posts {
             let x = body[0] + 0.3 + (body[1] - body[0] - 0.6) * f64::from(k) / f64::from(posts);
-            draft.extras.push(Extra::Fitting(block([x - 0.1, x + 0.1, body[2] + 0.2, body[2] + 0.4], [-0.8, 2.6], [slot::METAL; 2])));
+            draft.extras.push(Extra::Fitting(block(
+                [x - 0.1, x + 0.1, body[2] + 0.2, body[2] + 0.4],
+                [-0.8, 2.6],
+                [slot::METAL; 2],
+            )));
         }
     }
     // An outer walk along the side on the upper floors.
     let side = if body[0] > r[0] { [body[0] - 1.3, body[0] + 0.1] } else { [body[1] - 0.1, body[1] + 1.3] };
     for f in 1..floors as u32 {
         let z = f64::from(f) * STOREY_M;
-        let gallery = block([side[0], side[1], body[2] + overhang + 1.0, body[3] - 1.0], [z - 0.15, z + 0.12], [part::CONCRETE; 2]);
+        let gallery = block(
+            [side[0], side[1], body[2] + overhang + 1.0, body[3] - 1.0],
+            [z - 0.15, z + 0.12],
+            [part::CONCRETE; 2],
+        );
         draft.extras.push(Extra::Fitting(gallery));
     }
     draft.furnish(0, ROOF, &[], &place.key);
     work.floor(place, *rng.pick(&[ground::YARDS[2], suburb::REAR[3], suburb::REAR[4], suburb::REAR[7]]));
-    work.lay(Layer::Walk, &place.frame, &corners([body[0], body[1], r[2] - 2.4, body[2] + overhang]), suburb::DRIVE[rng.below(4) as usize]);
+    work.lay(
+        Layer::Walk,
+        &place.frame,
+        &corners([body[0], body[1], r[2] - 2.4, body[2] + overhang]),
+        suburb::DRIVE[rng.below(4) as usize],
+    );
     if overhang > 0.0 {
         let n = libm::floor((body[1] - body[0]) / 2.75) as u32;
         let full = rng.range(0.4, 0.85) * work.params.vehicles;
@@ -87,10 +109,20 @@ pub(super) fn dingbat(work: &mut Work<'_>, place: &Place<'_>) -> bool {
             }
         }
     } else {
-        work.lay(Layer::Bed, &place.frame, &corners([body[0] + 0.5, body[1] - 3.0, r[2] - 2.4, body[2] - 0.2]), suburb::FRONT[rng.below(9) as usize]);
+        work.lay(
+            Layer::Bed,
+            &place.frame,
+            &corners([body[0] + 0.5, body[1] - 3.0, r[2] - 2.4, body[2] - 0.2]),
+            suburb::FRONT[rng.below(9) as usize],
+        );
     }
     if alley {
-        work.lay(Layer::Walk, &place.frame, &corners([r[0], r[1], r[3] - 6.2, r[3]]), ground::YARDS[rng.below(3) as usize]);
+        work.lay(
+            Layer::Walk,
+            &place.frame,
+            &corners([r[0], r[1], r[3] - 6.2, r[3]]),
+            ground::YARDS[rng.below(3) as usize],
+        );
         carport(work, place, r, &mut rng);
         if rear + 2.0 < r[3] - 7.0 {
             work.strew(&place.frame, [r[0], r[1], rear + 1.0, r[3] - 6.8], 3.0, [0.4, 0.25, 0.35], &mut rng);
@@ -137,14 +169,21 @@ pub(super) fn court(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     }
     let inner = [r[0] + arm + 1.6, r[1] - arm - 1.6, r[2] + 3.0, rear - arm - 1.5];
     work.floor(place, *rng.pick(&[ground::YARDS[2], suburb::REAR[2], suburb::REAR[3]]));
-    work.lay(Layer::Walk, &place.frame, &corners(inner), *rng.pick(&[suburb::DRIVE[3], suburb::DRIVE[4], suburb::FRONT[1], suburb::FRONT[2], suburb::PLAZA]));
+    work.lay(
+        Layer::Walk,
+        &place.frame,
+        &corners(inner),
+        *rng.pick(&[suburb::DRIVE[3], suburb::DRIVE[4], suburb::FRONT[1], suburb::FRONT[2], suburb::PLAZA]),
+    );
     let (room_x, room_y) = (inner[1] - inner[0], inner[3] - inner[2]);
     if room_x > 7.5 && room_y > 11.0 && rng.chance(0.65) {
         let (w, d) = (rng.range(4.0, (room_x - 2.5).min(7.0)), rng.range(7.0, (room_y - 3.0).min(13.0)));
         let x = inner[0] + (room_x - w) / 2.0;
         let y = inner[2] + rng.range(1.2, room_y - d - 1.2);
         draft.extras.extend(pool([x, x + w, y, y + d], 0.05).into_iter().map(Extra::Fitting));
-        work.taken.push(corners([x - 1.0, x + w + 1.0, y - 1.0, y + d + 1.0]).iter().map(|p| place.frame.world(*p)).collect());
+        work.taken.push(
+            corners([x - 1.0, x + w + 1.0, y - 1.0, y + d + 1.0]).iter().map(|p| place.frame.world(*p)).collect(),
+        );
     }
     work.lay(Layer::Walk, &place.frame, &corners([r[0], r[1], r[3] - 6.4, r[3]]), ground::YARDS[rng.below(3) as usize]);
     work.build(place, "apartments", draft);
@@ -171,16 +210,38 @@ pub(super) fn walk_up(work: &mut Work<'_>, place: &Place<'_>) -> bool {
         // A light court in the rear or at the front.
         let (c0, c1) = (r[0] + a, r[1] - a);
         if rng.chance(0.5) {
-            [(r[0], r[2]), (r[1], r[2]), (r[1], r[3]), (c1, r[3]), (c1, r[3] - b), (c0, r[3] - b), (c0, r[3]), (r[0], r[3])]
+            [
+                (r[0], r[2]),
+                (r[1], r[2]),
+                (r[1], r[3]),
+                (c1, r[3]),
+                (c1, r[3] - b),
+                (c0, r[3] - b),
+                (c0, r[3]),
+                (r[0], r[3]),
+            ]
         } else {
-            [(r[0], r[2]), (c0, r[2]), (c0, r[2] + b), (c1, r[2] + b), (c1, r[2]), (r[1], r[2]), (r[1], r[3]), (r[0], r[3])]
+            [
+                (r[0], r[2]),
+                (c0, r[2]),
+                (c0, r[2] + b),
+                (c1, r[2] + b),
+                (c1, r[2]),
+                (r[1], r[2]),
+                (r[1], r[3]),
+                (r[0], r[3]),
+            ]
         }
         .map(|(x, y)| DVec2::new(x, y))
         .to_vec()
     } else if left {
-        [(r[0], r[2]), (r[1], r[2]), (r[1], r[3]), (r[0] + a, r[3]), (r[0] + a, r[3] - b), (r[0], r[3] - b)].map(|(x, y)| DVec2::new(x, y)).to_vec()
+        [(r[0], r[2]), (r[1], r[2]), (r[1], r[3]), (r[0] + a, r[3]), (r[0] + a, r[3] - b), (r[0], r[3] - b)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec()
     } else {
-        [(r[0], r[2]), (r[1], r[2]), (r[1], r[3] - b), (r[1] - a, r[3] - b), (r[1] - a, r[3]), (r[0], r[3])].map(|(x, y)| DVec2::new(x, y)).to_vec()
+        [(r[0], r[2]), (r[1], r[2]), (r[1], r[3] - b), (r[1] - a, r[3] - b), (r[1] - a, r[3]), (r[0], r[3])]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec()
     };
     let mut mass = plain(outline, GROUNDED, roof_m, rng.range(0.5, 1.0));
     mass.first_floor_m = first;
@@ -189,7 +250,12 @@ pub(super) fn walk_up(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let mut draft = Draft::new(Use::Apartments, vec![mass]);
     draft.furnish(0, Furnishing { handlers: 0.9, bulkhead: 0.8, ..ROOF }, &[], &place.key);
     work.floor(place, *rng.pick(&[ground::YARDS[2], suburb::REAR[1], suburb::REAR[3]]));
-    work.lay(Layer::Walk, &place.frame, &corners([r[0], r[1], r[2] - 2.2, r[2] + 0.2]), suburb::FRONT[rng.below(9) as usize]);
+    work.lay(
+        Layer::Walk,
+        &place.frame,
+        &corners([r[0], r[1], r[2] - 2.2, r[2] + 0.2]),
+        suburb::FRONT[rng.below(9) as usize],
+    );
     work.build(place, "apartments", draft);
     work.strew(&place.frame, [r[0], r[1], r[2] - 2.2, r[2]], 4.0, [0.3, 0.3, 0.4], &mut rng);
     true

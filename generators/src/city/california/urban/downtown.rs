@@ -17,7 +17,7 @@ use glam::DVec2;
 use satseed_scene::SeedPath;
 
 /// Side of the towers' lattice, m.
-const LATTICE_M: f64 = 151.0;
+const LATTICE_M: f64 = 156.0;
 
 /// Least and greatest height of a tower's roof, m, before its penthouse.
 const TOWER_M: [f64; 2] = [82.0, 200.0];
@@ -215,7 +215,10 @@ fn small(work: &mut Work<'_>, place: &Place<'_>) {
         _ => None,
     };
     if let Some(building) = building {
-        work.floor(place, *rng.pick(&[ground::of(slot::PAVING_DARK), ground::YARDS[0], ground::YARDS[2], ground::of(slot::PAVING)]));
+        work.floor(
+            place,
+            *rng.pick(&[ground::of(slot::PAVING_DARK), ground::YARDS[0], ground::YARDS[2], ground::of(slot::PAVING)]),
+        );
         let usage = if usage == 0 { Use::Block } else { Use::Store };
         work.adopt(place, usage, building);
         if let Some(r) = place.rect(0.5, 1.5, 1.0) {

@@ -116,8 +116,10 @@ pub(super) fn helipad(centre: DVec2, axis: DVec2, radius_m: f64, roof_m: f64, sq
         round(centre, radius_m * 1.06, 24)
     };
     let prism = |outline: Vec<DVec2>, heights_m: [f64; 2], s: u16| Fitting::Prism { outline, heights_m, slots: [s; 2] };
-    let mut out =
-        vec![prism(round(centre, radius_m * 0.55, 8), [roof_m - 0.2, low + 0.05], slot::METAL), prism(slab, [low, top], part::PAD)];
+    let mut out = vec![
+        prism(round(centre, radius_m * 0.55, 8), [roof_m - 0.2, low + 0.05], slot::METAL),
+        prism(slab, [low, top], part::PAD),
+    ];
     // Paint has a thickness of its own so that it lies in no plane with the slab.
     let paint = [top - 0.1, top + 0.02];
     let ring = [radius_m * 0.8, radius_m * 0.8 + 0.55];

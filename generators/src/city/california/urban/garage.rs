@@ -53,7 +53,10 @@ fn stands(work: &mut Work<'_>, place: &Place<'_>, r: Rect) -> bool {
     let mut rng = place.key.child("garage").rng();
     let half = DVec2::new(((r[1] - r[0]) / 2.0).min(42.0), DEPTH_M / 2.0);
     let slack = DVec2::new((r[1] - r[0]) / 2.0, (r[3] - r[2]) / 2.0) - half;
-    let c = DVec2::new(f64::midpoint(r[0], r[1]) + slack.x * rng.signed(), f64::midpoint(r[2], r[3]) + slack.y * rng.signed());
+    let c = DVec2::new(
+        f64::midpoint(r[0], r[1]) + slack.x * rng.signed(),
+        f64::midpoint(r[2], r[3]) + slack.y * rng.signed(),
+    );
     let levels = 3.0 + rng.below(5) as f64;
     let (high, below) = (levels * LEVEL_M, (levels - 1.0) * LEVEL_M);
     // The ramp may begin at either end.
@@ -76,7 +79,12 @@ fn stands(work: &mut Work<'_>, place: &Place<'_>, r: Rect) -> bool {
         add(wall(at(p.0, p.1), at(q.0, q.1), 0.2, [deck_m - 0.2, deck_m + GUARD_M], part::CONCRETE));
     };
     let e = 0.24;
-    for (p, q) in [((x0, y0 + e), (x1, y0 + e)), ((x1 - e, y0), (x1 - e, ny)), ((x0, y1 - e), (nx, y1 - e)), ((x0 + e, y0), (x0 + e, y1))] {
+    for (p, q) in [
+        ((x0, y0 + e), (x1, y0 + e)),
+        ((x1 - e, y0), (x1 - e, ny)),
+        ((x0, y1 - e), (nx, y1 - e)),
+        ((x0 + e, y0), (x0 + e, y1)),
+    ] {
         guard(p, q, high);
     }
     // Along the notch, but for the head of the ramp.
@@ -85,7 +93,8 @@ fn stands(work: &mut Work<'_>, place: &Place<'_>, r: Rect) -> bool {
     guard((x1 - e, ny), (x1 - e, y1), below);
     guard((nx, y1 - e), (x1, y1 - e), below);
     let lip = high + 0.14;
-    let ramp = ring(vec![at(nx - 0.5, ny + 0.4), at(x1 - 4.5, ny + 0.4), at(x1 - 4.5, ny + 6.2), at(nx - 0.5, ny + 6.2)]);
+    let ramp =
+        ring(vec![at(nx - 0.5, ny + 0.4), at(x1 - 4.5, ny + 0.4), at(x1 - 4.5, ny + 6.2), at(nx - 0.5, ny + 6.2)]);
     let top = [0, 1, 2, 3].map(|k: usize| {
         let p = ramp[k];
         let share = ((p.x - c.x) * flip - (nx - 0.5)) / (x1 - 4.0 - nx);
@@ -100,7 +109,10 @@ fn stands(work: &mut Work<'_>, place: &Place<'_>, r: Rect) -> bool {
     }
     lamps_or_panels(&mut draft, c, half, high, flip, &mut rng);
     let stairs: Vec<Vec<DVec2>> = draft.masses[2..].iter().map(|m| polygon::mitred(&m.outline, -2.6)).collect();
-    let panels = draft.extras.iter().any(|e| matches!(e, Extra::Fitting(Fitting::Slope { slots, .. }) if slots[1] == slot::PANEL));
+    let panels = draft
+        .extras
+        .iter()
+        .any(|e| matches!(e, Extra::Fitting(Fitting::Slope { slots, .. }) if slots[1] == slot::PANEL));
     let plan = work.build(place, "garage", draft);
     let share = rng.range(0.25, 0.75) * work.params.vehicles;
     let n = libm::floor(half.x / STALL_M) as i64;
@@ -138,7 +150,8 @@ fn lamps_or_panels(draft: &mut Draft, c: DVec2, half: DVec2, deck_m: f64, flip: 
             let end = (x + 18.0).min(half.x - 9.0);
             let (low, rise) = (deck_m + 2.7, 0.9);
             let p = |x: f64, y: f64, z: f64| (c + DVec2::new(x, y)).extend(z);
-            let top = [p(x, -5.0, low + 0.15), p(end, -5.0, low + 0.15), p(end, 5.0, low + rise), p(x, 5.0, low + rise)];
+            let top =
+                [p(x, -5.0, low + 0.15), p(end, -5.0, low + 0.15), p(end, 5.0, low + rise), p(x, 5.0, low + rise)];
             draft.extras.push(Extra::Fitting(Fitting::Slope { top, low_m: low, slots: [slot::METAL, slot::PANEL] }));
             for post in [x + 3.0, end - 3.0] {
                 let at = c + DVec2::new(post, 0.0);

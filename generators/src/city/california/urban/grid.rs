@@ -178,7 +178,8 @@ fn quad([r, l, d, u]: [&Street; 4], with_sidewalk: bool) -> Vec<DVec2> {
 }
 
 fn cell([r, l, d, u]: [&Street; 4]) -> Vec<DVec2> {
-    let mut q = vec![r.crossing(0.0, d, 0.0), r.crossing(0.0, u, 0.0), l.crossing(0.0, u, 0.0), l.crossing(0.0, d, 0.0)];
+    let mut q =
+        vec![r.crossing(0.0, d, 0.0), r.crossing(0.0, u, 0.0), l.crossing(0.0, u, 0.0), l.crossing(0.0, d, 0.0)];
     if polygon::area(&q) < 0.0 {
         q.reverse();
     }
@@ -199,7 +200,8 @@ fn outer(a: &[DVec2], b: &[DVec2]) -> Vec<DVec2> {
     // Convex position: the one order of positive area without a crossing.
     for order in [[0, 1, 2, 3], [0, 1, 3, 2], [1, 0, 2, 3], [1, 0, 3, 2]] {
         let ring: Vec<DVec2> = order.iter().map(|k| p[*k]).collect();
-        let convex = (0..4).all(|k| (ring[(k + 1) % 4] - ring[k]).perp_dot(ring[(k + 2) % 4] - ring[(k + 1) % 4]) > 0.0);
+        let convex =
+            (0..4).all(|k| (ring[(k + 1) % 4] - ring[k]).perp_dot(ring[(k + 2) % 4] - ring[(k + 1) % 4]) > 0.0);
         if convex {
             return ring;
         }

@@ -27,11 +27,10 @@ enum Character {
 /// Shares of what prevails, spread evenly over the numbers of blocks (Roberts 2018, the R2 sequence).
 fn character(block: &CityBlock, city: &SeedPath) -> Character {
     let [i, j] = block.index;
-    let x = city.child("character").rng().unit()
-        + i as f64 * 0.754_877_666_246_692_7
-        + j as f64 * 0.569_840_290_998_053_2;
+    let x =
+        city.child("character").rng().unit() + i as f64 * 0.754_877_666_246_692_7 + j as f64 * 0.569_840_290_998_053_2;
     let u = x - libm::floor(x);
-    let limits = if block.busy { [0.5, 0.66, 0.8] } else { [0.16, 0.68, 0.95] };
+    let limits = if block.busy { [0.56, 0.72, 0.87] } else { [0.16, 0.66, 0.96] };
     let order = [Character::Shops, Character::Homes, Character::Works, Character::Large];
     order[limits.iter().take_while(|l| u >= **l).count()]
 }
@@ -67,7 +66,8 @@ pub(super) fn plan(params: &Params, block: &CityBlock, relief: &Relief<'_>, city
     }
     let character = character(block, city);
     if character == Character::Large {
-        let long = usize::from(block.property[1].distance(block.property[2]) > block.property[0].distance(block.property[1]));
+        let long =
+            usize::from(block.property[1].distance(block.property[2]) > block.property[0].distance(block.property[1]));
         let site = whole(long + 2 * block.key.child("front").rng().below(2) as usize);
         let place = Place::new(&site, &block.name, &block.key);
         if block.key.child("built").rng().unit() < params.density && store::large(&mut work, &place) {
@@ -90,11 +90,11 @@ fn one_site(work: &mut Work<'_>, place: &Place<'_>, character: Character, busy: 
     let wide = place.site.front_m() > 26.0;
     // Shop, mall, drive-through, station, mid-rise, box on posts, court, walk-up, works, parking, cleared.
     let weights = match (character, wide) {
-        (Character::Shops, true) => [0.08, 0.3, 0.17, 0.11, 0.1, 0.0, 0.03, 0.05, 0.04, 0.09, 0.03],
-        (Character::Shops, false) => [0.74, 0.06, 0.0, 0.0, 0.02, 0.03, 0.0, 0.03, 0.04, 0.06, 0.02],
+        (Character::Shops, true) => [0.15, 0.27, 0.14, 0.09, 0.17, 0.0, 0.03, 0.05, 0.04, 0.04, 0.02],
+        (Character::Shops, false) => [0.74, 0.05, 0.0, 0.0, 0.05, 0.03, 0.0, 0.03, 0.04, 0.04, 0.02],
         (Character::Homes, true) => [0.0, 0.02, 0.0, 0.0, 0.03, 0.08, 0.45, 0.34, 0.0, 0.06, 0.02],
         (Character::Homes, false) => [0.02, 0.0, 0.0, 0.0, 0.0, 0.66, 0.0, 0.26, 0.01, 0.03, 0.02],
-        (_, true) => [0.02, 0.05, 0.03, 0.02, 0.02, 0.0, 0.0, 0.0, 0.72, 0.1, 0.04],
+        (_, true) => [0.02, 0.05, 0.03, 0.02, 0.03, 0.0, 0.0, 0.0, 0.76, 0.06, 0.03],
         (_, false) => [0.08, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.8, 0.08, 0.04],
     };
     let usage = rng.weighted(&weights);
@@ -134,10 +134,8 @@ fn one_site(work: &mut Work<'_>, place: &Place<'_>, character: Character, busy: 
 /// A mid-rise block of 15 to 30 m on a larger street.
 fn mid_rise(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let relief = work.relief;
-    let Some(building) = massing::mid_rise(place.site, relief, &place.key) else { return false };
-    if building.plan.roof_m() > 31.0 {
-        return false;
-    }
+    let draw = |k: u64| massing::mid_rise(place.site, relief, &place.key.child("mid-rise").index(k));
+    let Some(building) = (0..8).find_map(|k| draw(k).filter(|b| b.plan.roof_m() < 31.0)) else { return false };
     work.floor(place, ground::YARDS[2]);
     work.adopt(place, Use::Block, building);
     true

@@ -103,11 +103,9 @@ pub(super) fn is(variant: Variant) -> bool {
 
 fn style(variant: Variant) -> grid::Style {
     match variant {
-        Variant::Downtown => grid::Style {
-            turn_rad: 0.7,
-            block_m: [[65.0, 100.0], [100.0, 180.0]],
-            weights: [0.36, 0.34, 0.3],
-        },
+        Variant::Downtown => {
+            grid::Style { turn_rad: 0.7, block_m: [[65.0, 100.0], [100.0, 180.0]], weights: [0.36, 0.34, 0.3] }
+        }
         _ => grid::Style { turn_rad: 0.25, block_m: [[84.0, 108.0], [140.0, 200.0]], weights: [0.0, 0.8, 0.2] },
     }
 }

@@ -18,7 +18,8 @@ pub(super) fn square(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut 
         return;
     }
     work.lay(Layer::Walk, &frame, &corners(shrunk(r, 0.3)), *rng.pick(&ground::SQUARES));
-    let (nx, ny) = (libm::floor(wide / rng.range(9.0, 15.0)).max(1.0), libm::floor(deep / rng.range(8.0, 14.0)).max(1.0));
+    let (nx, ny) =
+        (libm::floor(wide / rng.range(9.0, 15.0)).max(1.0), libm::floor(deep / rng.range(8.0, 14.0)).max(1.0));
     let (px, py) = (wide / nx, deep / ny);
     let water = rng.below((nx * ny) as u64 + 2);
     let palms = rng.chance(0.6);
@@ -30,10 +31,11 @@ pub(super) fn square(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut 
             let b = [c.x - bed.x, c.x + bed.x, c.y - bed.y, c.y + bed.y];
             if j * nx as u64 + i == water {
                 work.lay(Layer::Coping, &frame, &corners(shrunk(b, -0.5)), suburb::COPING);
-                work.lay(Layer::Water, &frame, &corners(b), suburb::POOL[0]);
+                work.lay(Layer::Water, &frame, &corners(b), suburb::POOL[1]);
                 continue;
             }
-            let slot = if green { suburb::TURF } else { *rng.pick(&[suburb::MULCH, suburb::FRONT[7], suburb::FRONT[1]]) };
+            let slot =
+                if green { suburb::TURF } else { *rng.pick(&[suburb::MULCH, suburb::FRONT[7], suburb::FRONT[1]]) };
             if rng.chance(0.75) {
                 work.lay(Layer::Bed, &frame, &corners(b), slot);
                 let plant = if palms { Plant::Palm } else { Plant::Broad };
@@ -55,7 +57,12 @@ pub(super) fn park(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut Rn
     let half = DVec2::new((r[1] - r[0]) / 2.0, (r[3] - r[2]) / 2.0) - 2.2;
     let path = ground::of(slot::PATH);
     let width = rng.range(1.3, 2.2);
-    for (along, reach) in [(DVec2::X, half.x), (DVec2::Y, half.y), (half.normalize(), half.length() - 1.5), ((half * DVec2::new(1.0, -1.0)).normalize(), half.length() - 1.5)] {
+    for (along, reach) in [
+        (DVec2::X, half.x),
+        (DVec2::Y, half.y),
+        (half.normalize(), half.length() - 1.5),
+        ((half * DVec2::new(1.0, -1.0)).normalize(), half.length() - 1.5),
+    ] {
         if along.x.abs() < 0.99 && along.y.abs() < 0.99 || rng.chance(0.6) {
             let strip = crate::kit::polygon::oriented_rectangle(c, along, DVec2::new(reach, width));
             work.lay(Layer::Bed, &frame, &strip, path);
@@ -114,8 +121,14 @@ pub(super) fn cleared(work: &mut Work<'_>, place: &Place<'_>, r: Rect) {
     for _ in 0..2 + rng.below(3) {
         let c = DVec2::new(rng.range(r[0], r[1]), rng.range(r[2], r[3]));
         let half = DVec2::new(rng.range(2.0, 9.0), rng.range(2.0, 7.0));
-        let b = [(c.x - half.x).max(r[0]), (c.x + half.x).min(r[1]), (c.y - half.y).max(r[2]), (c.y + half.y).min(r[3])];
-        work.lay(Layer::Walk, &frame, &corners(b), *rng.pick(&[ground::YARDS[2], ground::of(slot::YARD), ground::YARDS[0]]));
+        let b =
+            [(c.x - half.x).max(r[0]), (c.x + half.x).min(r[1]), (c.y - half.y).max(r[2]), (c.y + half.y).min(r[3])];
+        work.lay(
+            Layer::Walk,
+            &frame,
+            &corners(b),
+            *rng.pick(&[ground::YARDS[2], ground::of(slot::YARD), ground::YARDS[0]]),
+        );
     }
     work.strew(&frame, r, 1.2, [0.05, 0.03, 0.92], &mut rng);
     for _ in 0..rng.below(5) {

@@ -15,7 +15,8 @@ use glam::DVec2;
 use satseed_scene::Rng;
 
 /// What stands on the roof of a low shop.
-pub(super) const SHOP_ROOF: Furnishing = Furnishing { base_m: 0.0, handlers: 0.75, panels: 0.14, beds: 0.0, bulkhead: 0.15 };
+pub(super) const SHOP_ROOF: Furnishing =
+    Furnishing { base_m: 0.0, handlers: 0.75, panels: 0.14, beds: 0.0, bulkhead: 0.15 };
 
 /// Skylights in rows on a large roof.
 pub(super) fn skylights(draft: &mut Draft, mass: usize, pitch: DVec2, half: DVec2) {
@@ -76,13 +77,16 @@ pub(super) fn shop(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let Some(r) = place.rect(rng.range(0.15, 1.5), 0.12, 0.3) else { return false };
     let deep = r[3] - r[2];
     let floors = if rng.chance(0.36) { 2.0 } else { 1.0 };
-    let behind = if deep > 30.0 { rng.range(11.8, 0.5 * deep) } else { rng.range(0.3, 6.0) };
+    let behind = if deep > 30.0 && rng.chance(0.8) { rng.range(11.8, 0.42 * deep) } else { rng.range(0.3, 6.0) };
     let body: Rect = [r[0], r[1], r[2], r[3] - behind];
     let roof_m = floors * rng.range(3.6, 4.2) + rng.range(0.9, 1.9);
     // The rear is often lower.
     let step = rng.chance(0.4) && body[3] - body[2] > 16.0;
     let front_end = if step { body[2] + (body[3] - body[2]) * rng.range(0.45, 0.7) } else { body[3] };
-    let mut draft = Draft::new(Use::Store, vec![plain(corners([body[0], body[1], body[2], front_end]), GROUNDED, roof_m, rng.range(0.5, 1.2))]);
+    let mut draft = Draft::new(
+        Use::Store,
+        vec![plain(corners([body[0], body[1], body[2], front_end]), GROUNDED, roof_m, rng.range(0.5, 1.2))],
+    );
     if step {
         let inner = [body[0] + 0.3, body[1] - rng.range(0.3, 3.0), front_end - 0.3, body[3]];
         draft.masses.push(plain(corners(inner), GROUNDED, roof_m - rng.range(0.8, 2.0), 0.4));
@@ -98,7 +102,8 @@ pub(super) fn shop(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     }
     if rng.chance(0.45) && place.site.on_street[place.site.front] {
         let deep = rng.range(0.7, 1.1);
-        let awning = block([body[0] + 0.4, body[1] - 0.4, body[2] - deep, body[2] + 0.2], [2.8, 3.05], [part::CANOPY; 2]);
+        let awning =
+            block([body[0] + 0.4, body[1] - 0.4, body[2] - deep, body[2] + 0.2], [2.8, 3.05], [part::CANOPY; 2]);
         draft.extras.push(Extra::Fitting(awning));
     }
     work.floor(place, *rng.pick(&ground::YARDS[..3]));
@@ -119,13 +124,12 @@ pub(super) fn shop(work: &mut Work<'_>, place: &Place<'_>) -> bool {
 fn bins(work: &mut Work<'_>, place: &Place<'_>, at: DVec2) {
     let mut rng = place.key.child("bins").rng();
     let b = [at.x - 1.5, at.x + 1.5, at.y - 0.9, at.y + 0.8];
-    let mut draft = Draft::new(Use::Works, vec![plain(corners([b[0], b[0] + 0.2, b[2], b[3]]), GROUNDED, 1.6, 0.05)]);
-    for (p, q) in [((b[0], b[3]), (b[1], b[3])), ((b[1], b[2]), (b[1], b[3]))] {
-        let w = wall(DVec2::new(p.0, p.1), DVec2::new(q.0, q.1), 0.2, [-0.8, 1.66], slot::WALL);
+    let bin = [b[0] + 0.5, b[0] + rng.range(1.9, 2.5), b[2] + 0.2, b[3] - 0.3];
+    let mut draft = Draft::new(Use::Works, vec![plain(corners(bin), GROUNDED, 1.25, 0.06)]);
+    for (p, q) in [((b[0], b[2]), (b[0], b[3])), ((b[0], b[3]), (b[1], b[3])), ((b[1], b[2]), (b[1], b[3]))] {
+        let w = wall(DVec2::new(p.0, p.1), DVec2::new(q.0, q.1), 0.2, [-0.8, 1.7], slot::WALL);
         draft.extras.push(Extra::Fitting(w));
     }
-    let x = b[0] + 0.5;
-    draft.extras.push(Extra::Fitting(block([x, x + rng.range(1.4, 2.0), b[2] + 0.2, b[3] - 0.25], [-0.1, 1.25], [part::STEEL; 2])));
     let free = corners(shrunk(b, -0.5)).iter().all(|p| {
         let world = place.frame.world(*p);
         work.taken.iter().all(|o| !polygon::contains(o, world))
@@ -150,9 +154,18 @@ pub(super) fn mall(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     if side {
         let x = if left { [r[0] + 0.05, r[0] + arm_m] } else { [r[1] - arm_m, r[1] - 0.05] };
         let second = if rng.chance(0.3) { roof_m + 3.2 } else { roof_m - rng.range(0.4, 0.9) };
-        draft.masses.push(plain(corners([x[0], x[1], r[2] + rng.range(1.0, 6.0), r[3] - rear + 0.4]), GROUNDED, second, 0.7));
+        draft.masses.push(plain(
+            corners([x[0], x[1], r[2] + rng.range(1.0, 6.0), r[3] - rear + 0.4]),
+            GROUNDED,
+            second,
+            0.7,
+        ));
     }
-    let front = if side { if left { [r[0] + arm_m, r[1], back[2], back[3]] } else { [r[0], r[1] - arm_m, back[2], back[3]] } } else { back };
+    let front = if side {
+        if left { [r[0] + arm_m, r[1], back[2], back[3]] } else { [r[0], r[1] - arm_m, back[2], back[3]] }
+    } else {
+        back
+    };
     arcade(&mut draft, front, &mut rng);
     false_front(&mut draft, [front[0], front[1], back[2], back[3]], roof_m, &mut rng);
     pole_sign(&mut draft, DVec2::new(if left { r[1] - 3.0 } else { r[0] + 3.0 }, r[2] + 1.4), &mut rng);
@@ -242,7 +255,10 @@ pub(super) fn drive_through(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     }
     let turned = crate::city::toronto::massing::Frame { centre: place.frame.centre, axis: place.frame.axis.perp() };
     // Stalls along the left border look at it, those on the right too.
-    for (k, span) in [[r[2] + 3.0, r[3] - 1.0, -(b[0] - 2.2), -r[0]], [r[2] + 3.0, r[3] - 6.0, -r[1], -(b[1] + 4.0)]].into_iter().enumerate() {
+    for (k, span) in [[r[2] + 3.0, r[3] - 1.0, -(b[0] - 2.2), -r[0]], [r[2] + 3.0, r[3] - 6.0, -r[1], -(b[1] + 4.0)]]
+        .into_iter()
+        .enumerate()
+    {
         if span[3] - span[2] > 11.5 {
             let occupancy = rng.range(0.3, 0.8);
             work.parking(&turned, span, occupancy, &place.key.index(k as u64));
@@ -272,7 +288,11 @@ pub(super) fn station(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     for k in 0..posts {
         let x = roof[0] + (roof[1] - roof[0]) * (f64::from(k) + 0.5) / f64::from(posts);
         pumps.push(x);
-        draft.extras.push(Extra::Fitting(block([x - 0.5, x + 0.5, c.y - 3.0, c.y + 3.0], [-0.3, 0.17], [slot::COPING; 2])));
+        draft.extras.push(Extra::Fitting(block(
+            [x - 0.5, x + 0.5, c.y - 3.0, c.y + 3.0],
+            [-0.3, 0.17],
+            [slot::COPING; 2],
+        )));
         for y in [-1.6, 1.6] {
             let pump = [x - 0.3, x + 0.3, c.y + y - 0.45, c.y + y + 0.45];
             draft.extras.push(Extra::Fitting(block(pump, [0.05, 1.9], [part::CANOPY; 2])));
@@ -314,7 +334,12 @@ pub(super) fn large(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let store = [x, x + main, back - store_m, back];
     draft.masses.push(plain(corners(store), GROUNDED, roof_m, rng.range(0.9, 1.4)));
     let entry = x + main * rng.range(0.3, 0.7);
-    draft.masses.push(plain(corners([entry - 7.0, entry + 7.0, store[2] - 3.0, store[2] + 4.0]), GROUNDED, roof_m + 2.4, 0.4));
+    draft.masses.push(plain(
+        corners([entry - 7.0, entry + 7.0, store[2] - 3.0, store[2] + 4.0]),
+        GROUNDED,
+        roof_m + 2.4,
+        0.4,
+    ));
     x += main + 0.3;
     // Smaller shops beside it.
     while x + 14.0 < r[1] - 3.0 {
@@ -339,7 +364,12 @@ pub(super) fn large(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     }
     work.floor(place, ground::YARDS[rng.below(2) as usize]);
     work.build(place, "store", draft);
-    work.lay(Layer::Walk, &place.frame, &corners([store[0], r[1] - 3.0, store[2] - 6.0, store[2] + 0.3]), suburb::PLAZA);
+    work.lay(
+        Layer::Walk,
+        &place.frame,
+        &corners([store[0], r[1] - 3.0, store[2] - 6.0, store[2] + 0.3]),
+        suburb::PLAZA,
+    );
     for k in 0..3 {
         if rng.chance((0.5 * work.params.vehicles).min(1.0)) {
             let at = DVec2::new(store[0] + 6.0 + 5.0 * f64::from(k), back + 5.6);
@@ -365,7 +395,8 @@ pub(super) fn flatiron(work: &mut Work<'_>, place: &Place<'_>, rng: &mut Rng) {
     mass.first_floor_m = 5.0;
     mass.floor_m = 3.6;
     mass.bay_m = rng.range(2.6, 4.0);
-    mass.facade = Facade::Punched { recess_m: 0.22, band_m: rng.range(1.2, 1.7), pier_m: rng.range(0.7, 1.4), proud_m: 0.03 };
+    mass.facade =
+        Facade::Punched { recess_m: 0.22, band_m: rng.range(1.2, 1.7), pier_m: rng.range(0.7, 1.4), proud_m: 0.03 };
     let mut draft = Draft::new(if low { Use::Store } else { Use::Block }, vec![mass]);
     draft.furnish(0, SHOP_ROOF, &[], &place.key);
     work.build(place, "flatiron", draft);

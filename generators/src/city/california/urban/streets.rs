@@ -36,7 +36,8 @@ pub(super) fn carriageways(grid: &Grid) -> Content {
             .and_then(|k| polygon::clip(&k, d.through - side * edge, side));
         if let Some(outline) = strip {
             let slot = ground::of(slot::ROAD + toronto::materials::ROAD_AGES + 1);
-            out.patches.push((Layer::Major, Patch { outline, slot, origin_m: d.through, axis: d.along, lowered: true }));
+            out.patches
+                .push((Layer::Major, Patch { outline, slot, origin_m: d.through, axis: d.along, lowered: true }));
         }
     }
     out
@@ -46,8 +47,7 @@ pub(super) fn carriageways(grid: &Grid) -> Content {
 pub(super) fn segment(params: &Params, segment: &Segment, city: &SeedPath, detail_m: f64) -> (String, Content) {
     let [f, i, j] = segment.index;
     let name = format!("street/{f}/{i}/{j}");
-    let borrowed =
-        toronto::Params { trees: params.trees, vehicles: params.vehicles, ..toronto::Params::default() };
+    let borrowed = toronto::Params { trees: params.trees, vehicles: params.vehicles, ..toronto::Params::default() };
     let plan = traffic::plan(&borrowed, segment, city);
     let mut out = Content::default();
     for (k, patch) in plan.patches.into_iter().enumerate() {
@@ -76,7 +76,8 @@ pub(super) fn segment(params: &Params, segment: &Segment, city: &SeedPath, detai
         let plant = if style == 0 || (style == 2 && k % 2 == 0) { Plant::Palm } else { Plant::Broad };
         out.plants.push(Planted { at, plant, size: rng.range(0.6, 1.05) });
         let pit = polygon::oriented_rectangle(at, segment.street.direction, DVec2::splat(0.75));
-        let patch = Patch { origin_m: at, outline: pit, slot: suburb::MULCH, axis: segment.street.direction, lowered: false };
+        let patch =
+            Patch { origin_m: at, outline: pit, slot: suburb::MULCH, axis: segment.street.direction, lowered: false };
         out.patches.push((Layer::Walk, patch));
     }
     (name, out)
@@ -129,8 +130,14 @@ pub(super) fn footbridge(
                 balconies: Vec::new(),
             }];
             let axis = segment.street.direction.perp();
-            let plan =
-                BuildingPlan { centre_m: centre, axis, ground_m: height_m(centre), drop_m: 0.0, masses, items: Vec::new() };
+            let plan = BuildingPlan {
+                centre_m: centre,
+                axis,
+                ground_m: height_m(centre),
+                drop_m: 0.0,
+                masses,
+                items: Vec::new(),
+            };
             let kind = Kind::Urban(Use::Footbridge);
             let building = Building { kind, plan, extras: Vec::new(), ridge_m: BRIDGE_M[1] };
             return Some((name.clone(), Content { buildings: vec![(name, building)], ..Content::default() }));

@@ -107,7 +107,14 @@ fn office_facade(rng: &mut Rng) -> (Facade, f64) {
 
 /// A stage of a tower.
 #[allow(clippy::too_many_arguments)]
-fn stage(outline: Vec<DVec2>, [low, top]: [f64; 2], first_m: f64, floor_m: f64, look: (Facade, f64), parapet: f64) -> Mass {
+fn stage(
+    outline: Vec<DVec2>,
+    [low, top]: [f64; 2],
+    first_m: f64,
+    floor_m: f64,
+    look: (Facade, f64),
+    parapet: f64,
+) -> Mass {
     let floors = libm::round((top - first_m) / floor_m).max(1.0);
     Mass {
         outline,
@@ -240,7 +247,11 @@ pub(super) fn office(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -> b
 
 /// What a tower leaves of a rectangle at its other end.
 fn free_end(r: Rect, centre: DVec2, half: DVec2, side: f64) -> Option<Rect> {
-    let free = if side > 0.0 { [r[0], r[1], r[2], centre.y - half.y - 3.0] } else { [r[0], r[1], centre.y + half.y + 3.0, r[3]] };
+    let free = if side > 0.0 {
+        [r[0], r[1], r[2], centre.y - half.y - 3.0]
+    } else {
+        [r[0], r[1], centre.y + half.y + 3.0, r[3]]
+    };
     (free[3] - free[2] > 6.0).then_some(free)
 }
 
@@ -249,7 +260,9 @@ fn wing(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut Rng) {
     let roof_m = rng.range(6.5, 15.0);
     let cut = rng.range(0.55, 0.8);
     let (x, y) = (r[0] + (r[1] - r[0]) * cut, r[2] + (r[3] - r[2]) * rng.range(0.45, 0.7));
-    let outline = [(r[0], r[2]), (r[1], r[2]), (r[1], y), (x, y), (x, r[3]), (r[0], r[3])].map(|(x, y)| DVec2::new(x, y)).to_vec();
+    let outline = [(r[0], r[2]), (r[1], r[2]), (r[1], y), (x, y), (x, r[3]), (r[0], r[3])]
+        .map(|(x, y)| DVec2::new(x, y))
+        .to_vec();
     let first_floor_m = 5.0;
     let mut mass = plain(outline, GROUNDED, roof_m.max(first_floor_m + 3.5), 1.0);
     mass.facade = Facade::Slabs { recess_m: 0.25, slab_m: rng.range(0.6, 1.3), pier_every: 2 };
@@ -297,17 +310,29 @@ pub(super) fn residence(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -
         let pier_every = [0, 2, 3, 4][rng.below(4) as usize];
         Facade::Slabs { recess_m: rng.range(0.15, 0.3), slab_m: rng.range(0.25, 0.6), pier_every }
     } else {
-        Facade::Punched { recess_m: rng.range(0.18, 0.3), band_m: rng.range(0.9, 1.3), pier_m: rng.range(0.6, 1.3), proud_m: 0.0 }
+        Facade::Punched {
+            recess_m: rng.range(0.18, 0.3),
+            band_m: rng.range(0.9, 1.3),
+            pier_m: rng.range(0.6, 1.3),
+            proud_m: 0.0,
+        }
     };
-    let mut shaft =
-        stage(shape.clone(), [podium_m - 0.4, height_m], podium_m + 0.25, floor_m, (facade, bay_m), rng.range(0.9, 1.4));
+    let mut shaft = stage(
+        shape.clone(),
+        [podium_m - 0.4, height_m],
+        podium_m + 0.25,
+        floor_m,
+        (facade, bay_m),
+        rng.range(0.9, 1.4),
+    );
     shaft.balconies = balconies(&shape, bay_m, &mut rng);
     let roof_m = shaft.roof_m;
     let mut draft = Draft::new(Use::Residence, vec![podium, shaft]);
     let inner = if form == Form::Twin { half * DVec2::new(1.0, 0.66) } else { half };
     top(&mut draft, centre, inner - DVec2::splat(1.8), roof_m, &mut rng);
     let mut over = Vec::new();
-    if let Some(deck) = free_end(shrunk(r, 1.5), centre, half, side).filter(|d| d[3] - d[2] > 9.0 && d[1] - d[0] > 14.0) {
+    if let Some(deck) = free_end(shrunk(r, 1.5), centre, half, side).filter(|d| d[3] - d[2] > 9.0 && d[1] - d[0] > 14.0)
+    {
         over.push(corners(pool_deck(&mut draft, deck, podium_m, &mut rng)));
     }
     let calm = Furnishing { base_m: 0.0, handlers: 0.15, panels: 0.06, beds: 0.85, bulkhead: 0.3 };
@@ -320,7 +345,8 @@ pub(super) fn residence(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -
 
 /// A pool with its deck, cabins and a strip of planting on a podium. Returns what it takes.
 pub(super) fn pool_deck(draft: &mut Draft, room: Rect, deck_m: f64, rng: &mut Rng) -> Rect {
-    let (wide, deep) = (rng.range(9.0, 17.0).min(room[1] - room[0] - 5.0), rng.range(4.5, 7.0).min(room[3] - room[2] - 4.0));
+    let (wide, deep) =
+        (rng.range(9.0, 17.0).min(room[1] - room[0] - 5.0), rng.range(4.5, 7.0).min(room[3] - room[2] - 4.0));
     let x0 = rng.range(room[0] + 2.0, (room[1] - wide - 2.0).max(room[0] + 2.01));
     let y0 = rng.range(room[2] + 1.5, (room[3] - deep - 2.0).max(room[2] + 1.51));
     let water = [x0, x0 + wide, y0, y0 + deep];

@@ -21,7 +21,7 @@ pub(super) fn works(work: &mut Work<'_>, place: &Place<'_>) -> bool {
         return false;
     }
     let along = wide > 24.0 && rng.chance(0.45);
-    let share = rng.range(0.45, 0.78);
+    let share = rng.range(0.52, 0.84);
     // The yard lies behind the hall, or beside it.
     let (hall, open): (Rect, Rect) = if along {
         let x = r[0] + wide * share;
@@ -41,8 +41,11 @@ pub(super) fn works(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     if rng.chance(0.6) {
         skylights(&mut draft, 0, DVec2::new(rng.range(5.5, 9.0), rng.range(5.0, 8.0)), DVec2::new(1.3, 0.5));
     }
-    let over: Vec<Vec<DVec2>> =
-        draft.items.iter().map(|i| polygon::oriented_rectangle(i.centre_m, i.axis, i.half_m + DVec2::splat(0.4))).collect();
+    let over: Vec<Vec<DVec2>> = draft
+        .items
+        .iter()
+        .map(|i| polygon::oriented_rectangle(i.centre_m, i.axis, i.half_m + DVec2::splat(0.4)))
+        .collect();
     let what = Furnishing { base_m: 0.0, handlers: 0.22, panels: 0.12, beds: 0.0, bulkhead: 0.0 };
     draft.furnish(0, what, &over, &place.key);
     let doors = libm::floor((hall[1] - hall[0]) / 7.0).max(1.0) as u32;
