@@ -112,12 +112,12 @@ fn ground(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     }
     let last = street::COUNT as u16;
     put(street::PARKING, lot("city lot", Class::Road, 0.8, s("lot")));
-    for (k, age) in [(0, 0.25), (1, 0.7), (2, 1.0)] {
+    for (k, age) in [(0, 0.1), (1, 0.7), (2, 1.0)] {
         put(last + k, lot(&format!("lot {k}"), Class::Road, age, seed("lot", u64::from(k))));
     }
-    put(last + 3, bleached(asphalt("yard asphalt, old", 0.85, s("yard 3")), 0.2, s("yard 3")));
+    put(last + 3, bleached(asphalt("yard asphalt, sealed", 0.4, s("yard 3")), 0.05, s("yard 3")));
     put(last + 4, bleached(asphalt("yard asphalt, bleached", 1.0, s("yard 4")), 0.5, s("yard 4")));
-    put(last + 5, concrete("yard concrete", Class::Ground, 0.27, 4.0, s("yard 5")));
+    put(last + 5, concrete("yard concrete", Class::Ground, 0.31, 4.0, s("yard 5")));
     let weeds =
         Field::Product(vec![noise(s("yard 6"), 6.0, 3).ramp(0.05, 0.4), noise(s("yard 7"), 1.3, 2).ramp(0.0, 0.4)]);
     let bare = Material::diffuse("yard dirt", Class::Ground, bgr(0.14, 0.185, 0.23)).rough(0.5);

@@ -24,7 +24,9 @@ fn carport(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut Rng) {
     let roof = [x0, x1, y0, r[3] - 0.1];
     let mut draft =
         Draft::new(Use::Apartments, vec![plain(corners([x0, x0 + 1.3, y0 + 2.0, y0 + 5.0]), GROUNDED, 2.1, 0.06)]);
-    draft.extras.extend(canopy(roof, 2.25, 0.22, stalls.div_ceil(2)).into_iter().map(Extra::Fitting));
+    draft.extras.extend(
+        canopy(roof, [2.25, 0.22], stalls.div_ceil(2), [slot::COPING, slot::METAL]).into_iter().map(Extra::Fitting),
+    );
     let back = wall(DVec2::new(x0, y0 + 0.2), DVec2::new(x1, y0 + 0.2), 0.18, [-0.8, 2.3], slot::WALL);
     draft.extras.push(Extra::Fitting(back));
     let full = rng.range(0.4, 0.8) * work.params.vehicles;
@@ -129,6 +131,10 @@ pub(super) fn dingbat(work: &mut Work<'_>, place: &Place<'_>) -> bool {
         }
     }
     work.build(place, "apartments", draft);
+    work.strew(&place.frame, [r[0] - 0.8, r[1] + 0.8, body[2] + 6.5, rear + 1.2], 0.45, [0.3, 0.2, 0.5], &mut rng);
+    if !alley {
+        work.strew(&place.frame, [r[0], r[1], rear + 0.6, r[3]], 4.0, [0.55, 0.2, 0.25], &mut rng);
+    }
     let x = rng.range(r[0], r[1]);
     let plant = if rng.chance(0.5) { Plant::Palm } else { Plant::Broad };
     let size = rng.range(0.5, 0.9);
@@ -258,5 +264,6 @@ pub(super) fn walk_up(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     );
     work.build(place, "apartments", draft);
     work.strew(&place.frame, [r[0], r[1], r[2] - 2.2, r[2]], 4.0, [0.3, 0.3, 0.4], &mut rng);
+    work.strew(&place.frame, [r[0], r[1], r[2] + 2.0, r[3] + 0.6], 0.9, [0.5, 0.25, 0.25], &mut rng);
     true
 }

@@ -83,8 +83,13 @@ pub(super) fn wall(from: DVec2, to: DVec2, thick_m: f64, heights_m: [f64; 2], si
 }
 
 /// A flat roof on posts over a rectangle, `posts` of them along x and two rows deep.
-pub(super) fn canopy([x0, x1, y0, y1]: [f64; 4], under_m: f64, thick_m: f64, posts: u32) -> Vec<Fitting> {
-    let mut out = vec![block([x0, x1, y0, y1], [under_m, under_m + thick_m], [slot::COPING, part::CANOPY])];
+pub(super) fn canopy(
+    [x0, x1, y0, y1]: [f64; 4],
+    [under_m, thick_m]: [f64; 2],
+    posts: u32,
+    slots: [u16; 2],
+) -> Vec<Fitting> {
+    let mut out = vec![block([x0, x1, y0, y1], [under_m, under_m + thick_m], slots)];
     for k in 0..posts {
         let x = x0 + (x1 - x0) * (f64::from(k) + 0.5) / f64::from(posts);
         for y in [y0 + 0.22 * (y1 - y0), y1 - 0.22 * (y1 - y0)] {
@@ -158,7 +163,7 @@ mod tests {
             wall(DVec2::ZERO, DVec2::new(3.0, 4.0), 0.2, [0.0, 1.1], 0),
         ];
         all.extend(helipad(DVec2::new(3.0, 2.0), DVec2::new(0.6, 0.8), 9.0, 120.0, false));
-        all.extend(canopy([0.0, 26.0, 0.0, 12.0], 5.2, 0.9, 3));
+        all.extend(canopy([0.0, 26.0, 0.0, 12.0], [5.2, 0.9], 3, [part::CANOPY, slot::COPING]));
         all.extend(pool([0.0, 12.0, 0.0, 6.0], 18.0));
         for mut fitting in all {
             let mesh = |f: &Fitting| {

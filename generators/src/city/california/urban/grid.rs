@@ -148,7 +148,7 @@ pub(super) fn grid(style: &Style, city: &SeedPath, reach_m: f64) -> Grid {
         };
         match odd(&path, block.index) {
             Odd::No => out.blocks.push(whole),
-            Odd::Cut => split(whole, &block, &path, &mut out),
+            Odd::Cut => split(&whole, &block, &path, &mut out),
             Odd::Taken => {}
             Odd::Joined => {
                 let right = [line(0, i), line(0, i + 1), bounds[2], bounds[3]];
@@ -210,7 +210,7 @@ fn outer(a: &[DVec2], b: &[DVec2]) -> Vec<DVec2> {
 }
 
 /// A block cut by a diagonal street through its middle.
-fn split(whole: CityBlock, block: &Block, path: &SeedPath, out: &mut Grid) {
+fn split(whole: &CityBlock, block: &Block, path: &SeedPath, out: &mut Grid) {
     let mut rng = path.child("diagonal").index(block.index[0] as u64).index(block.index[1] as u64).rng();
     let through = polygon::centroid(&block.kerb);
     let corner = block.kerb[rng.below(4) as usize];

@@ -79,7 +79,7 @@ pub(super) mod ground {
     /// Kinds of parking lots: by age.
     pub(in crate::city::california) const LOTS: [u16; 3] =
         [of(toronto::COUNT as u16), of(toronto::COUNT as u16 + 1), of(toronto::COUNT as u16 + 2)];
-    /// Kinds of paved yards: asphalt old and older, concrete, dirt.
+    /// Kinds of yards: asphalt sealed and bleached, concrete, dirt.
     pub(in crate::city::california) const YARDS: [u16; 4] = [
         of(toronto::COUNT as u16 + 3),
         of(toronto::COUNT as u16 + 4),

@@ -56,7 +56,7 @@ fn arcade(draft: &mut Draft, [x0, x1, y0, _]: Rect, rng: &mut Rng) {
     let (deep, under) = (rng.range(1.6, 2.8), rng.range(2.9, 3.5));
     let posts = libm::floor((x1 - x0) / 6.0).max(1.0) as u32;
     let mut add = |f: Fitting| draft.extras.push(Extra::Fitting(f));
-    add(block([x0 + 0.3, x1 - 0.3, y0 - deep, y0 + 0.2], [under, under + 0.35], [slot::COPING, part::CANOPY]));
+    add(block([x0 + 0.3, x1 - 0.3, y0 - deep, y0 + 0.2], [under, under + 0.35], [slot::COPING, slot::TERRACE]));
     for k in 0..=posts {
         let x = x0 + 0.5 + (x1 - x0 - 1.0) * f64::from(k) / f64::from(posts);
         add(block([x - 0.13, x + 0.13, y0 - deep + 0.1, y0 - deep + 0.36], [-0.8, under + 0.1], [slot::COPING; 2]));
@@ -283,7 +283,9 @@ pub(super) fn station(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let half = DVec2::new((wide / 2.0 - 3.0).min(rng.range(10.0, 14.0)), rng.range(4.5, 7.0));
     let roof = [c.x - half.x, c.x + half.x, c.y - half.y, c.y + half.y];
     let posts = libm::floor(half.x / 4.5).max(2.0) as u32;
-    draft.extras.extend(canopy(roof, rng.range(4.8, 5.4), 0.95, posts).into_iter().map(Extra::Fitting));
+    draft.extras.extend(
+        canopy(roof, [rng.range(4.8, 5.4), 0.95], posts, [part::CANOPY, slot::COPING]).into_iter().map(Extra::Fitting),
+    );
     let mut pumps = Vec::new();
     for k in 0..posts {
         let x = roof[0] + (roof[1] - roof[0]) * (f64::from(k) + 0.5) / f64::from(posts);

@@ -116,7 +116,7 @@ pub(super) fn footbridge(
             let (Some(left), Some(right)) = (wall(1.0), wall(-1.0)) else { continue };
             let centre = segment.street.at(along, (left - right) / 2.0);
             let name = format!("footbridge/{}/{}/{}", segment.index[0], segment.index[1], segment.index[2]);
-            let span = (left + right) / 2.0 + 0.4;
+            let span = f64::midpoint(left, right) + 0.4;
             let masses = vec![Mass {
                 outline: polygon::rectangle(DVec2::new(-span, -2.0), DVec2::new(span, 2.0)),
                 low_m: BRIDGE_M[0],

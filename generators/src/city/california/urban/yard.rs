@@ -86,7 +86,8 @@ fn containers(draft: &mut Draft, open: Rect, rng: &mut Rng) {
         if rng.chance(0.55) {
             let y = open[3] - length - rng.range(0.2, 0.9);
             let high = if rng.chance(0.2) { 5.2 } else { 2.6 };
-            draft.extras.push(Extra::Fitting(block([x, x + 2.44, y, y + length], [-0.6, high], [part::STEEL; 2])));
+            let paint = *rng.pick(&[part::STEEL, part::STEEL, slot::METAL, part::CANOPY]);
+            draft.extras.push(Extra::Fitting(block([x, x + 2.44, y, y + length], [-0.6, high], [paint; 2])));
         }
         x += 2.44 + rng.range(0.2, 2.2);
     }
