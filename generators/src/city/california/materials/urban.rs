@@ -370,7 +370,7 @@ impl Materials {
         put(part::STALLS, of(&book.decks, &mut rng));
         put(part::WATER, book.water);
         put(part::PAINT, book.paint);
-        put(part::PAD, book.pads[rng.weighted(&[0.4, 0.3, 0.2, 0.1])]);
+        put(part::PAD, book.pads[rng.weighted(&[0.5, 0.34, 0.1, 0.06])]);
         put(part::CANOPY, of(&book.canopies, &mut rng));
         put(part::CONCRETE, of(&book.concrete, &mut rng));
         put(part::STEEL, of(&book.steel, &mut rng));

@@ -4,7 +4,7 @@
 //! cell: every frame has about as many, and a block has as many as points fall into it and its half of the streets.
 
 use super::grid::CityBlock;
-use super::site::{Place, Work, corners};
+use super::site::{Place, Work, corners, wide_enough};
 use super::{Use, garage, ground, open, tower};
 use crate::city::california::Params;
 use crate::city::california::lot::Content;
@@ -214,13 +214,13 @@ fn small(work: &mut Work<'_>, place: &Place<'_>) {
         1 => massing::shop(place.site, relief, &place.key),
         _ => None,
     };
-    if let Some(building) = building {
+    if let Some(plan) = building.and_then(wide_enough) {
         work.floor(
             place,
             *rng.pick(&[ground::of(slot::PAVING_DARK), ground::YARDS[0], ground::YARDS[2], ground::of(slot::PAVING)]),
         );
         let usage = if usage == 0 { Use::Block } else { Use::Store };
-        work.adopt(place, usage, building);
+        work.adopt(place, usage, plan);
         if let Some(r) = place.rect(0.5, 1.5, 1.0) {
             work.strew(&place.frame, r, 0.5, [0.5, 0.2, 0.3], &mut rng);
         }

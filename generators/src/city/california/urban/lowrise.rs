@@ -1,7 +1,7 @@
 //! A block of the low city: shops on the larger streets, apartments and workshops behind, alleys of 6 m between.
 
 use super::grid::CityBlock;
-use super::site::{Place, Work};
+use super::site::{Place, Work, wide_enough};
 use super::{Use, apartments, ground, open, store, yard};
 use crate::city::california::Params;
 use crate::city::california::lot::Content;
@@ -134,9 +134,10 @@ fn one_site(work: &mut Work<'_>, place: &Place<'_>, character: Character, busy: 
 /// A mid-rise block of 15 to 30 m on a larger street.
 fn mid_rise(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let relief = work.relief;
-    let draw = |k: u64| massing::mid_rise(place.site, relief, &place.key.child("mid-rise").index(k));
-    let Some(building) = (0..8).find_map(|k| draw(k).filter(|b| b.plan.roof_m() < 31.0)) else { return false };
+    let draw =
+        |k: u64| massing::mid_rise(place.site, relief, &place.key.child("mid-rise").index(k)).and_then(wide_enough);
+    let Some(plan) = (0..8).find_map(|k| draw(k).filter(|p| p.roof_m() < 31.0)) else { return false };
     work.floor(place, ground::YARDS[2]);
-    work.adopt(place, Use::Block, building);
+    work.adopt(place, Use::Block, plan);
     true
 }

@@ -117,6 +117,22 @@ pub(super) fn plain(outline: Vec<DVec2>, low_m: f64, roof_m: f64, parapet_m: f64
     }
 }
 
+/// Whether a mass has room for its parapets and its walls go up.
+pub(super) fn sound(m: &Mass) -> bool {
+    let (low, high) = polygon::bounds(&m.outline);
+    (high - low).min_element() > 0.9 && polygon::area(&m.outline) > 0.8 && m.roof_m > m.low_m
+}
+
+/// A plan of Toronto's for a site that may be narrower than sites are there.
+pub(super) fn wide_enough(building: massing::Building) -> Option<BuildingPlan> {
+    let wide = |m: &Mass| {
+        let (low, high) = polygon::bounds(&m.outline);
+        polygon::area(&m.outline) > 30.0 && (high - low).min_element() > 4.0
+    };
+    let plan = building.plan;
+    plan.masses.iter().filter(|m| m.low_m < 0.0).all(wide).then_some(plan)
+}
+
 /// A building in the making, in a site's frame.
 pub(super) struct Draft {
     pub(super) usage: Use,
@@ -171,6 +187,7 @@ impl Work<'_> {
     pub(super) fn build(&mut self, place: &Place<'_>, what: &str, mut draft: Draft) -> BuildingPlan {
         let relief = self.relief;
         let frame = &place.frame;
+        debug_assert!(draft.masses.iter().all(sound), "{}/{what} has a mass turned inside out", place.name);
         for m in draft.masses.iter().filter(|m| m.low_m < 3.0) {
             let outline = polygon::mitred(&m.outline, -1.0);
             self.taken.push(outline.iter().map(|p| frame.world(*p)).collect());
@@ -184,8 +201,7 @@ impl Work<'_> {
     }
 
     /// The same for a plan of Toronto's.
-    pub(super) fn adopt(&mut self, place: &Place<'_>, usage: Use, building: massing::Building) {
-        let plan = building.plan;
+    pub(super) fn adopt(&mut self, place: &Place<'_>, usage: Use, plan: BuildingPlan) {
         for m in plan.masses.iter().filter(|m| m.low_m < 0.0) {
             self.taken.push(polygon::mitred(&plan.world_outline(m), -1.0));
         }

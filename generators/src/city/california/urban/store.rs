@@ -8,7 +8,7 @@ use crate::city::california::house::Extra;
 use crate::city::california::lot::Plant;
 use crate::city::california::paving::Layer;
 use crate::city::toronto::traffic::draw_body;
-use crate::kit::buildings::{Facade, Furnishing, RoofItem, RoofItemKind, slot};
+use crate::kit::buildings::{Facade, Furnishing, Mass, RoofItem, RoofItemKind, slot};
 use crate::kit::polygon;
 use crate::kit::vehicles::Body;
 use glam::DVec2;
@@ -76,6 +76,9 @@ pub(super) fn shop(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let mut rng = place.key.child("shop").rng();
     let Some(r) = place.rect(rng.range(0.15, 1.5), 0.12, 0.3) else { return false };
     let deep = r[3] - r[2];
+    if r[1] - r[0] < 6.0 || deep < 10.0 {
+        return false;
+    }
     let floors = if rng.chance(0.36) { 2.0 } else { 1.0 };
     let behind = if deep > 30.0 && rng.chance(0.8) { rng.range(11.8, 0.42 * deep) } else { rng.range(0.3, 6.0) };
     let body: Rect = [r[0], r[1], r[2], r[3] - behind];
@@ -144,6 +147,9 @@ pub(super) fn mall(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let mut rng = place.key.child("mall").rng();
     let Some(r) = place.rect(1.2, 0.3, rng.range(0.3, 3.0)) else { return false };
     let (wide, deep) = (r[1] - r[0], r[3] - r[2]);
+    if wide < 16.0 || deep < 28.0 {
+        return false;
+    }
     let rear = rng.range(12.0, 16.0).min(deep * 0.42);
     let roof_m = rng.range(4.8, 6.4);
     let back: Rect = [r[0], r[1], r[3] - rear, r[3]];
@@ -399,7 +405,16 @@ pub(super) fn flatiron(work: &mut Work<'_>, place: &Place<'_>, rng: &mut Rng) {
     mass.bay_m = rng.range(2.6, 4.0);
     mass.facade =
         Facade::Punched { recess_m: 0.22, band_m: rng.range(1.2, 1.7), pier_m: rng.range(0.7, 1.4), proud_m: 0.03 };
+    let upper = polygon::inset(&inner, rng.range(4.5, 8.0)).filter(|o| polygon::area(o) > 250.0);
     let mut draft = Draft::new(if low { Use::Store } else { Use::Block }, vec![mass]);
+    if let Some(outline) = upper.filter(|_| !low && rng.chance(0.7)) {
+        let under = draft.masses[0].clone();
+        let roof_m = under.roof_m + 3.6 * (1.0 + rng.below(3) as f64);
+        let (low_m, first_floor_m) = (under.roof_m - 0.35, under.roof_m);
+        let outline = polygon::rounded(&outline, 2.5, 2);
+        draft.masses.push(Mass { outline, low_m, roof_m, first_floor_m, shop: false, ..under });
+        draft.furnish(1, SHOP_ROOF, &[], &place.key);
+    }
     draft.furnish(0, SHOP_ROOF, &[], &place.key);
     work.build(place, "flatiron", draft);
 }

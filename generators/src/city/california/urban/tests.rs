@@ -243,6 +243,15 @@ fn the_ground_has_no_crack_and_no_t_junction() {
 }
 
 #[test]
+fn no_plan_of_any_seed_has_a_mass_too_thin_or_inside_out() {
+    for (variant, seed) in BOTH.into_iter().flat_map(|v| (1000..1040).map(move |s| (v, s))) {
+        for (name, b) in buildings(&planned(variant, seed, 60.0)) {
+            assert!(b.plan.masses.iter().all(super::site::sound), "{variant:?} {seed}: {name}");
+        }
+    }
+}
+
+#[test]
 fn any_seed_builds_within_its_bounds() {
     for (variant, seed) in BOTH.into_iter().flat_map(|v| [11, 1012, u64::MAX].map(|s| (v, s))) {
         let params = sized(variant, 60.0);

@@ -279,6 +279,9 @@ fn wing(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut Rng) {
 pub(super) fn residence(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -> bool {
     let mut rng = place.key.child("residence").rng();
     let Some(r) = place.rect(rng.range(1.0, 3.0), rng.range(0.5, 2.0), rng.range(0.5, 2.0)) else { return false };
+    // The tower stands at one end; a podium of a deep site leaves the other for something low.
+    let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
+    let (r, rest) = split_end(r, side, &mut rng);
     let room = DVec2::new(r[1] - r[0], r[3] - r[2]) / 2.0;
     let half = DVec2::new(rng.range(11.0, 14.0), rng.range(14.0, 17.5)).min(room - DVec2::splat(3.0));
     if half.min_element() < 9.0 {
@@ -300,7 +303,6 @@ pub(super) fn residence(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -
     podium.roof = Roof::Flat { parapet_m: 1.1, slot: slot::TERRACE };
     let slack = room - half - DVec2::splat(2.5);
     let middle = DVec2::new(f64::midpoint(r[0], r[1]), f64::midpoint(r[2], r[3]));
-    let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
     let centre = middle + DVec2::new(rng.signed() * slack.x, side * slack.y.max(0.0) * rng.range(0.85, 1.0));
     let floor_m = rng.range(3.0, 3.15);
     let form = [Form::Square, Form::Notched, Form::Chamfered, Form::Twin][rng.weighted(&[0.4, 0.25, 0.15, 0.2])];
@@ -340,7 +342,28 @@ pub(super) fn residence(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -
     draft.furnish(1, ROOFTOP, &[], &place.key);
     work.floor(place, ground::SQUARES[rng.below(3) as usize]);
     work.build(place, "tower", draft);
+    match rest {
+        Some(rest) if rng.chance(0.5) => wing(work, place, rest, &mut rng),
+        Some(rest) => open::square(work, place, rest, &mut rng),
+        None => {}
+    }
     true
+}
+
+/// The part of a deep rectangle at one end, and what is left at the other.
+fn split_end(r: Rect, side: f64, rng: &mut Rng) -> (Rect, Option<Rect>) {
+    let deep = r[3] - r[2];
+    if deep < 58.0 || rng.chance(0.2) {
+        return (r, None);
+    }
+    let keep = deep * rng.range(0.58, 0.76);
+    if side > 0.0 {
+        let y = r[3] - keep;
+        ([r[0], r[1], y, r[3]], Some([r[0], r[1], r[2], y - 2.5]))
+    } else {
+        let y = r[2] + keep;
+        ([r[0], r[1], r[2], y], Some([r[0], r[1], y + 2.5, r[3]]))
+    }
 }
 
 /// A pool with its deck, cabins and a strip of planting on a podium. Returns what it takes.
