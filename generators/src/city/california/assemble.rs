@@ -7,7 +7,7 @@ use super::layout::{self, Grid};
 use super::lot::{self, Building, Content, Plant};
 use super::materials::Materials;
 use super::paving::{self, KERB_M, Layer};
-use super::{DETAIL_MARGIN_M, Params, RING_M, Variant, ground_slot, slabs, streets};
+use super::{DETAIL_MARGIN_M, Params, RING_M, Variant, ground_slot, slabs, streets, urban};
 use crate::kit::buildings::{self, Detail};
 use crate::kit::ground::{Ground, Patch};
 use crate::kit::mesh_builder::{MeshBuilder, Wall};
@@ -29,6 +29,10 @@ const INDIVIDUALS: u64 = 8;
 
 pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     let land = Land::new(city);
+    if urban::is(params.variant) {
+        let parts = urban::plan(params, &land, city);
+        return CityPlan { land, parts, interchange: Interchange::default() };
+    }
     let freeways = params.variant == Variant::Interchange;
     let grid = Grid::new(city, freeways);
     let interchange = if freeways { freeway::plan(params, &grid, &land, city) } else { Interchange::default() };
@@ -157,7 +161,10 @@ impl Assembly<'_> {
 }
 
 pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Scene {
-    let materials = Materials::new(&city.child("materials"));
+    let mut materials = Materials::new(&city.child("materials"));
+    if urban::is(params.variant) {
+        materials.add_urban(&city.child("materials"));
+    }
     let detail_m = params.radius_m + DETAIL_MARGIN_M;
     let mut a = Assembly { scene: Scene::default(), materials, city, detail_m };
     let terrain = a.mesh(ground(params, plan).mesh);
@@ -185,19 +192,17 @@ pub(super) fn building_mesh(building: &Building, detail: Detail) -> Mesh {
     mesh
 }
 
+fn detail(b: &Building, near_m: f64) -> Detail {
+    if b.plan.centre_m.length() < near_m { Detail::Full } else { Detail::Massing }
+}
+
 fn buildings_of(a: &mut Assembly<'_>, plan: &CityPlan) {
     let all: Vec<&(String, Building)> = plan.parts.iter().flat_map(|(_, c)| &c.buildings).collect();
     let near = a.detail_m;
-    let meshes: Vec<Mesh> = all
-        .par_iter()
-        .map(|(_, b)| {
-            let detail = if b.plan.centre_m.length() < near { Detail::Full } else { Detail::Massing };
-            building_mesh(b, detail)
-        })
-        .collect();
+    let meshes: Vec<Mesh> = all.par_iter().map(|(_, b)| building_mesh(b, detail(b, near))).collect();
     for ((name, building), mesh) in all.into_iter().zip(meshes) {
         let key = a.city.child(name);
-        let set = a.materials.building_set(building.kind, &key);
+        let set = a.materials.building_set(building.kind, detail(building, near) == Detail::Massing, &key);
         let mesh = a.mesh(mesh);
         let object = a.object(name.clone(), Class::Roof);
         let p = &building.plan;
@@ -332,18 +337,20 @@ fn vehicles(a: &mut Assembly<'_>, plan: &CityPlan) {
     let bodies: Vec<Mesh> = Body::ALL.iter().map(|b| b.mesh()).collect();
     let meshes: Vec<u32> = bodies.into_iter().map(|m| a.mesh(m)).collect();
     for (part, content) in &plan.parts {
-        for (k, v) in content.vehicles.iter().enumerate() {
+        let on_ground = content.vehicles.iter().enumerate().map(|(k, v)| ("vehicle", k, v, None));
+        let on_decks = content.raised.iter().enumerate().map(|(k, (v, deck_m))| ("raised", k, v, Some(*deck_m)));
+        for (what, k, v, deck_m) in on_ground.chain(on_decks) {
             if !a.near(v.centre) {
                 continue;
             }
-            let name = format!("{part}/vehicle/{k}");
+            let name = format!("{part}/{what}/{k}");
             let key = a.city.child(&name);
             let mut rng = key.rng();
             let set = a.materials.vehicle_set(v.body, &mut rng);
             let (s, c) = libm::sincos(rng.signed() * 0.03);
             let axis = DVec2::new(v.axis.x * c - v.axis.y * s, v.axis.x * s + v.axis.y * c);
             let below_m = if v.lowered { KERB_M } else { 0.0 };
-            let at = v.centre.extend(plan.land.height_m(v.centre) - below_m);
+            let at = v.centre.extend(deck_m.unwrap_or_else(|| plan.land.height_m(v.centre) - below_m));
             let index = Body::ALL.iter().position(|b| *b == v.body).unwrap_or(0);
             let object = a.object(name, Class::Vehicle);
             a.instance(meshes[index], placed(at, axis, rng.range(0.95, 1.05)), object, set, &key);

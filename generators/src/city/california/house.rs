@@ -2,6 +2,7 @@
 //!
 //! Everything is drawn in the lot's frame: x along the street, y into the lot.
 
+use super::urban::fittings::Fitting;
 use crate::kit::buildings::{BuildingPlan, Facade, Mass, Roof, RoofItem, RoofItemKind, slot};
 use crate::kit::mesh_builder::{MeshBuilder, Wall};
 use crate::kit::polygon;
@@ -27,6 +28,8 @@ pub(super) enum Extra {
     Door { centre: DVec2, along: DVec2, width_m: f64, height_m: f64 },
     /// A flat cover on posts: outline, height.
     Cover { low: DVec2, high: DVec2, height_m: f64 },
+    /// Part of a larger building.
+    Fitting(Fitting),
 }
 
 /// A house in its lot's frame, and the pieces of ground that belong to it.
@@ -303,6 +306,7 @@ pub(super) fn add_extras(mesh: &mut Mesh, extras: &[Extra]) {
                     b.block(slot::COPING, slot::COPING, foot, DVec2::X, DVec2::splat(0.07), -0.5, height_m + 0.05);
                 }
             }
+            Extra::Fitting(f) => f.add(&mut b),
             Extra::Solar { corner, along, up, height_m, slope, count } => {
                 solar_slab(&mut b, *corner, *along, *up, *height_m, *slope, *count);
             }
@@ -354,6 +358,7 @@ pub(super) fn grounded(
     }
     for e in extras {
         match e {
+            Extra::Fitting(f) => f.shift(-middle),
             Extra::Solar { corner, .. } => *corner -= middle,
             Extra::Door { centre, .. } => *centre -= middle,
             Extra::Cover { low, high, .. } => {

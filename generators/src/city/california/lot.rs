@@ -5,6 +5,7 @@ use super::ground_slot as slot;
 use super::house::{self, Extra, Room, wall_mass};
 use super::layout::{LOCAL_ROADWAY_M, LOCAL_ROW_M, Lot, Rear};
 use super::paving::Layer;
+use super::urban::Use;
 use crate::city::toronto::traffic::draw_body;
 use crate::kit::buildings::{BuildingPlan, Roof};
 use crate::kit::ground::Patch;
@@ -20,6 +21,8 @@ pub(super) enum Kind {
     Shed,
     Shop,
     School,
+    /// Of downtown and of low blocks.
+    Urban(Use),
 }
 
 /// A building of the plan.
@@ -83,6 +86,8 @@ pub(super) struct Content {
     pub(super) vehicles: Vec<Parked>,
     pub(super) fences: Vec<Fence>,
     pub(super) lights: Vec<(DVec2, DVec2)>,
+    /// Vehicles on decks, with the deck's height in the world, m.
+    pub(super) raised: Vec<(Parked, f64)>,
     pub(super) pools: u32,
     pub(super) solar: u32,
 }

@@ -14,6 +14,7 @@ mod module;
 mod paving;
 mod slabs;
 mod streets;
+mod urban;
 
 use crate::city::toronto::relief;
 use crate::{ParameterError, check_range};
@@ -69,6 +70,10 @@ pub enum Variant {
     Suburb,
     /// The same around two freeways that cross in a stack of four levels.
     Interchange,
+    /// Towers, garages, squares and parking lots on a grid.
+    Downtown,
+    /// Shops, apartments and workshops of one to three storeys with their parking.
+    Lowrise,
 }
 
 /// Parameters of a California scene.
@@ -104,6 +109,8 @@ impl Params {
         match self.variant {
             Variant::Suburb => "suburb",
             Variant::Interchange => "interchange",
+            Variant::Downtown => "downtown",
+            Variant::Lowrise => "lowrise",
         }
     }
 
@@ -120,7 +127,12 @@ impl Params {
         // Relief and kerbs reach down to -3.9 m, feet and piers 1.5 m below the ground; the tallest palm is 27 m high with
         // its crown, the highest ramp 29 m, with a truck on it 33 m.
         let reach = relief::AMPLITUDE_M;
-        [-reach - 2.5, 36.0 + reach]
+        let highest_m = match self.variant {
+            Variant::Downtown => 220.0,
+            Variant::Lowrise => 55.0,
+            Variant::Suburb | Variant::Interchange => 36.0,
+        };
+        [-reach - 2.5, highest_m + reach]
     }
 
     pub(crate) fn memory_bound_bytes(&self) -> u64 {

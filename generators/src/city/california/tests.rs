@@ -10,7 +10,7 @@ use satseed_scene::Class;
 use std::collections::BTreeMap;
 
 /// Half side of a frame of 2048 pixels at 0.3 m.
-const FRAME_HALF_M: f64 = 307.0;
+pub(super) const FRAME_HALF_M: f64 = 307.0;
 
 fn params(radius_m: f64) -> Params {
     Params { radius_m, ..Params::default() }
@@ -25,7 +25,7 @@ fn planned(seed: u64, radius_m: f64) -> CityPlan {
 }
 
 /// A share of a square around the pivot, sampled every 2 m, that convex or simple outlines cover.
-fn cover(outlines: &[Vec<DVec2>], half_m: f64) -> f64 {
+pub(super) fn cover(outlines: &[Vec<DVec2>], half_m: f64) -> f64 {
     let bounds: Vec<(DVec2, DVec2)> = outlines.iter().map(|o| polygon::bounds(o)).collect();
     let step = 2.0;
     let n = (2.0 * half_m / step) as usize;

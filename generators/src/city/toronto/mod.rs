@@ -6,7 +6,7 @@
 mod assemble;
 mod blocks;
 mod houses;
-mod massing;
+pub(super) mod massing;
 pub(super) mod materials;
 pub(super) mod relief;
 pub(super) mod traffic;
@@ -21,27 +21,28 @@ use serde::{Deserialize, Serialize};
 pub const VERSION: u32 = 2;
 
 /// Slots of the ground's mesh.
-mod ground_slot {
-    pub(super) const CARRIAGEWAY: u16 = 0;
-    pub(super) const KERB: u16 = 1;
-    pub(super) const SIDEWALK: u16 = 2;
-    pub(super) const PAVING: u16 = 3;
-    pub(super) const PAVING_DARK: u16 = 4;
-    pub(super) const PLAZA: u16 = 5;
-    pub(super) const LAWN: u16 = 6;
-    pub(super) const YARD: u16 = 7;
-    pub(super) const LANE: u16 = 8;
-    pub(super) const PATH: u16 = 9;
-    pub(super) const SOIL: u16 = 10;
-    pub(super) const PARKING: u16 = 11;
-    pub(super) const CROSSING: u16 = 12;
-    pub(super) const STOP: u16 = 13;
-    pub(super) const PATCH_NEW: u16 = 14;
-    pub(super) const PATCH_OLD: u16 = 15;
-    pub(super) const MANHOLE: u16 = 16;
+pub(super) mod ground_slot {
+    pub(in crate::city) const CARRIAGEWAY: u16 = 0;
+    pub(in crate::city) const KERB: u16 = 1;
+    pub(in crate::city) const SIDEWALK: u16 = 2;
+    pub(in crate::city) const PAVING: u16 = 3;
+    pub(in crate::city) const PAVING_DARK: u16 = 4;
+    pub(in crate::city) const PLAZA: u16 = 5;
+    pub(in crate::city) const LAWN: u16 = 6;
+    pub(in crate::city) const YARD: u16 = 7;
+    pub(in crate::city) const LANE: u16 = 8;
+    pub(in crate::city) const PATH: u16 = 9;
+    pub(in crate::city) const SOIL: u16 = 10;
+    pub(in crate::city) const PARKING: u16 = 11;
+    pub(in crate::city) const CROSSING: u16 = 12;
+    pub(in crate::city) const STOP: u16 = 13;
+    pub(in crate::city) const PATCH_NEW: u16 = 14;
+    pub(in crate::city) const PATCH_OLD: u16 = 15;
+    pub(in crate::city) const MANHOLE: u16 = 16;
     /// The first of `STREET_KINDS * ROAD_AGES` carriageways.
-    pub(super) const ROAD: u16 = 17;
-    pub(super) const COUNT: usize = (ROAD + super::materials::STREET_KINDS * super::materials::ROAD_AGES) as usize;
+    pub(in crate::city) const ROAD: u16 = 17;
+    pub(in crate::city) const COUNT: usize =
+        (ROAD + super::materials::STREET_KINDS * super::materials::ROAD_AGES) as usize;
 }
 
 /// Which part of the city.

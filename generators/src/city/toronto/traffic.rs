@@ -10,7 +10,7 @@ use satseed_scene::{Rng, SeedPath};
 
 /// A vehicle on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Parked {
+pub(in crate::city) struct Parked {
     /// Centre, world.
     pub centre: DVec2,
     /// Where it points.
@@ -21,7 +21,7 @@ pub(super) struct Parked {
 
 /// What one segment of a street carries.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SegmentPlan {
+pub(in crate::city) struct SegmentPlan {
     /// Pieces of the carriageway, the later on top.
     pub patches: Vec<Patch>,
     /// Vehicles.
@@ -66,7 +66,7 @@ pub(in crate::city) fn draw_body(rng: &mut Rng, heavy: bool) -> Body {
 const APPROACH_M: f64 = 7.0;
 
 /// Plans a segment.
-pub(super) fn plan(params: &Params, segment: &Segment, city: &SeedPath) -> SegmentPlan {
+pub(in crate::city) fn plan(params: &Params, segment: &Segment, city: &SeedPath) -> SegmentPlan {
     let [f, i, j] = segment.index.map(|x| x as u64);
     let path = city.child("street").index(f).index(i).index(j);
     let mut out = SegmentPlan::default();

@@ -2,6 +2,7 @@
 //! roofs: red tile 0.18 to 0.33, dark shingle 0.08 to 0.19, light shingle 0.20).
 
 mod ground;
+mod urban;
 
 use super::lot::Kind;
 use crate::city::toronto::materials::surfaces::{
@@ -47,6 +48,7 @@ pub(super) struct Materials {
     lamp: u32,
     steel: u32,
     freeway: Vec<u32>,
+    urban: urban::Book,
 }
 
 impl Materials {
@@ -274,8 +276,11 @@ impl Materials {
         self.steel = self.add(Material::diffuse("steel", Class::OtherStructure, Bands::grey(0.22)));
     }
 
-    /// A set for a building.
-    pub(super) fn building_set(&mut self, kind: Kind, path: &SeedPath) -> u32 {
+    /// A set for a building. `massing`: it is only blocks, whose walls carry windows as texture.
+    pub(super) fn building_set(&mut self, kind: Kind, massing: bool, path: &SeedPath) -> u32 {
+        if let Kind::Urban(usage) = kind {
+            return self.urban_set(usage, massing, path);
+        }
         let mut rng = path.child("materials").rng();
         let of = |list: &[u32], rng: &mut Rng| *rng.pick(list);
         let house = matches!(kind, Kind::House | Kind::Shed);

@@ -8,7 +8,7 @@ use glam::DVec2;
 use satseed_scene::SeedPath;
 
 /// A mid-rise block, 18 to 36 m, of one of several shapes.
-pub(in crate::city::toronto) fn mid_rise(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Option<Building> {
+pub(in crate::city) fn mid_rise(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Option<Building> {
     let mut rng = path.child("mid").rng();
     let ranges = SetbackRanges { street: [0.3, 2.5], side: [0.12, 0.5], back: [0.6, 4.5] };
     let (frame, area) = plot(site, &ranges, &mut rng)?;
@@ -181,7 +181,7 @@ fn street_only(outline: &[DVec2], site: &Site, frame: &Frame, all: Vec<Balcony>)
 }
 
 /// One or two storeys over nearly the whole site.
-pub(in crate::city::toronto) fn shop(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Option<Building> {
+pub(in crate::city) fn shop(site: &Site, relief: &Relief<'_>, path: &SeedPath) -> Option<Building> {
     let mut rng = path.child("shop").rng();
     let ranges = SetbackRanges { street: [0.2, 1.2], side: [0.1, 0.3], back: [0.6, 5.0] };
     let (frame, area) = plot(site, &ranges, &mut rng)?;

@@ -7,7 +7,8 @@
 mod low;
 mod tower;
 
-pub(super) use low::{mid_rise, shop};
+pub(in crate::city) use low::{mid_rise, shop};
+pub(in crate::city) use tower::penthouse;
 pub(super) use tower::{PENTHOUSE_M, condo, office, tower_height_m, tower_place};
 
 use crate::kit::buildings::{Balcony, BuildingPlan, Mass, Roof, slot};
@@ -19,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a building is; decides its materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Kind {
+pub(in crate::city) enum Kind {
     /// Residential tower.
     Condo,
     /// Office tower.
@@ -36,7 +37,7 @@ pub(super) enum Kind {
 
 /// A building with its kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Building {
+pub(in crate::city) struct Building {
     /// What it is.
     pub kind: Kind,
     /// Its geometry as data.
@@ -44,11 +45,11 @@ pub(super) struct Building {
 }
 
 /// The relief as a function of place.
-pub(super) type Relief<'a> = dyn Fn(DVec2) -> f64 + Sync + 'a;
+pub(in crate::city) type Relief<'a> = dyn Fn(DVec2) -> f64 + Sync + 'a;
 
 /// A site's frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(in crate::city) struct Frame {
     /// Origin, world.
     pub centre: DVec2,
     /// Direction of x, world.
@@ -57,18 +58,18 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Of a site.
-    pub(super) fn of(site: &Site) -> Self {
+    pub(in crate::city) fn of(site: &Site) -> Self {
         Self { centre: polygon::centroid(&site.outline), axis: site.axis() }
     }
 
     /// World to frame.
-    pub(super) fn local(&self, p: DVec2) -> DVec2 {
+    pub(in crate::city) fn local(&self, p: DVec2) -> DVec2 {
         let d = p - self.centre;
         DVec2::new(d.dot(self.axis), self.axis.perp_dot(d))
     }
 
     /// Frame to world.
-    pub(super) fn world(&self, p: DVec2) -> DVec2 {
+    pub(in crate::city) fn world(&self, p: DVec2) -> DVec2 {
         self.centre + self.axis * p.x + self.axis.perp() * p.y
     }
 }
@@ -142,12 +143,12 @@ fn grounded(frame: &Frame, relief: &Relief<'_>, mut masses: Vec<Mass>) -> Buildi
     BuildingPlan { centre_m: frame.centre, axis: frame.axis, ground_m, drop_m, masses, items: Vec::new() }
 }
 
-fn flat(parapet_m: f64) -> Roof {
+pub(in crate::city) fn flat(parapet_m: f64) -> Roof {
     Roof::Flat { parapet_m, slot: slot::ROOF }
 }
 
 /// Rows of balconies around an outline.
-fn balconies(outline: &[DVec2], bay_m: f64, rng: &mut Rng) -> Vec<Balcony> {
+pub(in crate::city) fn balconies(outline: &[DVec2], bay_m: f64, rng: &mut Rng) -> Vec<Balcony> {
     let mut out = Vec::new();
     let depth_m = rng.range(1.5, 1.8);
     let style = rng.below(4);

@@ -273,7 +273,7 @@ pub(in crate::city::toronto) fn office(
 }
 
 /// The mechanical penthouse of a tower.
-fn penthouse(centre: DVec2, under: DVec2, base_m: f64, rng: &mut Rng) -> Mass {
+pub(in crate::city) fn penthouse(centre: DVec2, under: DVec2, base_m: f64, rng: &mut Rng) -> Mass {
     let half = DVec2::new(under.x * rng.range(0.45, 0.8), under.y * rng.range(0.45, 0.8));
     let at = centre + DVec2::new(rng.signed() * (under.x - half.x) * 0.5, rng.signed() * (under.y - half.y) * 0.5);
     let roof_m = base_m + rng.range(6.0, 9.0);

@@ -13,9 +13,9 @@ use satseed_scene::{Material, Rng, SeedPath};
 use std::collections::BTreeMap;
 
 /// Kinds of streets.
-pub(super) const STREET_KINDS: u16 = 4;
+pub(in crate::city) const STREET_KINDS: u16 = 4;
 /// Ages of asphalt of each kind.
-pub(super) const ROAD_AGES: u16 = 3;
+pub(in crate::city) const ROAD_AGES: u16 = 3;
 
 /// A book of materials, and the sets drawn from it.
 #[derive(Debug)]
