@@ -251,7 +251,7 @@ impl Naming {
 
     fn scene(&self, recipe: &Recipe, region: &Region, seed: u64) -> SceneSpec {
         let name = self.name(seed);
-        let pairs = pairs::of_pivot(recipe, region.name(), seed, &name);
+        let pairs = pairs::of_pivot(recipe, region, seed, &name);
         SceneSpec { name, region: region.clone(), seed, params_hash: self.params_hash.clone(), pairs }
     }
 }

@@ -1,7 +1,7 @@
 //! The pairs of one pivot: baselines crossed with azimuths, drawn by the pivot's own seed.
 
 use super::{PairSpec, Split};
-use crate::recipe::{Acquisition, Azimuths, PivotAlongBaseline, Recipe};
+use crate::recipe::{Acquisition, Azimuths, PivotAlongBaseline, Recipe, Region};
 use satseed_scene::SeedPath;
 
 /// How many pairs every pivot has.
@@ -10,11 +10,15 @@ pub(super) fn per_pivot(acquisition: &Acquisition) -> u64 {
     acquisition.pairs_per_pivot.map_or(crossed, |n| crossed.min(u64::from(n)))
 }
 
-/// The pairs of a pivot. What is drawn depends on region and scene seed, not on the scene's parameters: scenes that
-/// differ in one parameter are seen from the same places.
-pub(super) fn of_pivot(recipe: &Recipe, region: &str, seed: u64, scene: &str) -> Vec<PairSpec> {
+/// The pairs of a pivot. What is drawn depends on region, variant and scene seed, not on the scene's other parameters:
+/// scenes that differ in one parameter are seen from the same places, and each pivot of a recipe from its own.
+pub(super) fn of_pivot(recipe: &Recipe, region: &Region, seed: u64, scene: &str) -> Vec<PairSpec> {
     let acquisition = recipe.acquisition();
-    let path = SeedPath::root("acquisition", seed).child(region);
+    let mut path = SeedPath::root("acquisition", seed).child(region.name());
+    // The usual variant has the draws of its region, as when variants were no part of the key.
+    if Region::by_name(region.name()).is_none_or(|usual| usual.variant() != region.variant()) {
+        path = path.child("variant").child(region.variant());
+    }
     let baselines_m = acquisition.baselines.lengths_m(recipe.camera().altitude_m);
     let azimuths_deg = azimuths_deg(&acquisition.azimuths, &path);
     chosen(acquisition, &path)

@@ -23,7 +23,7 @@ pub struct Stage {
 /// where it changes an image, `labels` where it changes a label or a surface model.
 pub const STAGES: [Stage; 4] = [
     // Which pairs, where their cameras stand, which split: `src/plan`, `src/camera`.
-    Stage { name: "plan", version: 2 },
+    Stage { name: "plan", version: 3 },
     // Light, sampling, sensor: `src/render`.
     Stage { name: "render", version: 5 },
     // Label maps and surface models: `src/labels`.
