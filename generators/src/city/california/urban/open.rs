@@ -31,7 +31,7 @@ pub(super) fn square(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut 
             let b = [c.x - bed.x, c.x + bed.x, c.y - bed.y, c.y + bed.y];
             if j * nx as u64 + i == water {
                 work.lay(Layer::Coping, &frame, &corners(shrunk(b, -0.5)), suburb::COPING);
-                work.lay(Layer::Water, &frame, &corners(b), suburb::POOL[3]);
+                work.lay(Layer::Water, &frame, &corners(b), suburb::POOL[1]);
                 continue;
             }
             let slot =
