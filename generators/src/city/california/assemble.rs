@@ -5,6 +5,8 @@ use super::house::add_extras;
 use super::land::Land;
 use super::layout::{self, Grid};
 use super::lot::{self, Building, Content, Plant};
+use super::marina::harbour::Harbour;
+use super::marina::{self, Marina};
 use super::materials::Materials;
 use super::paving::{self, KERB_M, Layer};
 use super::{DETAIL_MARGIN_M, Params, RING_M, Variant, ground_slot, slabs, streets};
@@ -22,15 +24,20 @@ pub(super) struct CityPlan {
     pub(super) land: Land,
     pub(super) parts: Vec<(String, Content)>,
     pub(super) interchange: Interchange,
+    pub(super) marina: Marina,
 }
 
 /// Individuals of each kind of plant.
 const INDIVIDUALS: u64 = 8;
 
 pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
-    let land = Land::new(city);
     let freeways = params.variant == Variant::Interchange;
-    let grid = Grid::new(city, freeways);
+    let (land, grid) = if params.variant == Variant::Waterfront {
+        let grid = Grid::around_harbour(city);
+        (Land::around(Harbour::new(&grid, city), city), grid)
+    } else {
+        (Land::new(city), Grid::new(city, freeways))
+    };
     let interchange = if freeways { freeway::plan(params, &grid, &land, city) } else { Interchange::default() };
     let roofed = Roofed::of(&interchange);
     let reach = params.radius_m + RING_M;
@@ -68,7 +75,9 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     }
     let plants = interchange.plants.iter().filter(|p| !roofed.near(p.at)).copied().collect();
     parts.push(("interchange".to_owned(), Content { plants, ..Content::default() }));
-    CityPlan { land, parts, interchange }
+    let (harbour, marina) = marina::plan(params, &grid, &land, city);
+    parts.extend(harbour);
+    CityPlan { land, parts, interchange, marina }
 }
 
 /// Where the decks of an interchange are, for what must keep clear of their embankments.
@@ -122,10 +131,10 @@ pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
     paving::ground(layers, slots, params.radius_m + 200.0, &|p| plan.land.height_m(p))
 }
 
-struct Assembly<'a> {
-    scene: Scene,
-    materials: Materials,
-    city: &'a SeedPath,
+pub(super) struct Assembly<'a> {
+    pub(super) scene: Scene,
+    pub(super) materials: Materials,
+    pub(super) city: &'a SeedPath,
     detail_m: f64,
 }
 
@@ -135,7 +144,7 @@ fn placed(position: DVec3, axis: DVec2, scale: f64) -> DAffine3 {
 }
 
 impl Assembly<'_> {
-    fn mesh(&mut self, mesh: Mesh) -> u32 {
+    pub(super) fn mesh(&mut self, mesh: Mesh) -> u32 {
         self.scene.meshes.push(mesh);
         self.scene.meshes.len() as u32 - 1
     }
@@ -151,13 +160,23 @@ impl Assembly<'_> {
         self.scene.instances.push(Instance { mesh, world_from_object, object, material_set, variation });
     }
 
+    /// An object of one instance, upright, its x along an axis of the plan.
+    pub(super) fn put(&mut self, mesh: u32, (at, axis): (DVec3, DVec2), (name, class): (String, Class), set: u32) {
+        let key = self.city.child(&name);
+        let object = self.object(name, class);
+        self.instance(mesh, placed(at, axis, 1.0), object, set, &key);
+    }
+
     fn near(&self, p: DVec2) -> bool {
         p.length() < self.detail_m
     }
 }
 
 pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Scene {
-    let materials = Materials::new(&city.child("materials"));
+    let mut materials = Materials::new(&city.child("materials"));
+    if params.variant == Variant::Waterfront {
+        materials.add_marina(&city.child("materials"));
+    }
     let detail_m = params.radius_m + DETAIL_MARGIN_M;
     let mut a = Assembly { scene: Scene::default(), materials, city, detail_m };
     let terrain = a.mesh(ground(params, plan).mesh);
@@ -169,6 +188,7 @@ pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Sce
     vegetation(&mut a, plan);
     vehicles(&mut a, plan);
     lights(&mut a, plan);
+    marina::assemble(&mut a, &plan.land, &plan.marina, params.radius_m + RING_M);
     a.scene.materials = a.materials.list;
     a.scene.material_sets = a.materials.sets;
     a.scene.pivot_height_m = plan.land.height_m(DVec2::ZERO);

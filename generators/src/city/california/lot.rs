@@ -20,6 +20,8 @@ pub(super) enum Kind {
     Shed,
     Shop,
     School,
+    /// Flats, two to four storeys.
+    Apartments,
 }
 
 /// A building of the plan.

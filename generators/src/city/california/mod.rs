@@ -9,6 +9,7 @@ mod house;
 mod land;
 mod layout;
 mod lot;
+mod marina;
 mod materials;
 mod module;
 mod paving;
@@ -59,6 +60,11 @@ mod ground_slot {
     /// Pools: pale, blue, green-blue, neglected.
     pub(super) const POOL: [u16; 4] = [49, 50, 51, 52];
     pub(super) const COUNT: usize = 53;
+    // A harbour's own come after the others.
+    pub(super) const WATER: u16 = 53;
+    pub(super) const SEAWALL: u16 = 54;
+    pub(super) const RIPRAP: u16 = 55;
+    pub(super) const SAND: u16 = 56;
 }
 
 /// Which part of the city.
@@ -69,6 +75,8 @@ pub enum Variant {
     Suburb,
     /// The same around two freeways that cross in a stack of four levels.
     Interchange,
+    /// A marina: basins full of boats between moles with apartments, a channel, and a bank with beaches.
+    Waterfront,
 }
 
 /// Parameters of a California scene.
@@ -104,6 +112,7 @@ impl Params {
         match self.variant {
             Variant::Suburb => "suburb",
             Variant::Interchange => "interchange",
+            Variant::Waterfront => "waterfront",
         }
     }
 
