@@ -1,6 +1,7 @@
 //! From the plan to a scene.
 
 use super::freeway::{self, Interchange};
+use super::hill::{self, skeleton::Hills};
 use super::house::add_extras;
 use super::land::Land;
 use super::layout::{self, Grid};
@@ -32,11 +33,13 @@ const INDIVIDUALS: u64 = 8;
 
 pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     let freeways = params.variant == Variant::Interchange;
-    let (land, grid) = if params.variant == Variant::Waterfront {
-        let grid = Grid::around_harbour(city);
-        (Land::around(Harbour::new(&grid, city), city), grid)
-    } else {
-        (Land::new(city), Grid::new(city, freeways))
+    let (land, grid) = match params.variant {
+        Variant::Hill => return on_hills(params, city),
+        Variant::Waterfront => {
+            let grid = Grid::around_harbour(city);
+            (Land::around(Harbour::new(&grid, city), city), grid)
+        }
+        _ => (Land::new(city), Grid::new(city, freeways)),
     };
     let interchange = if freeways { freeway::plan(params, &grid, &land, city) } else { Interchange::default() };
     let roofed = Roofed::of(&interchange);
@@ -78,6 +81,13 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     let (harbour, marina) = marina::plan(params, &grid, &land, city);
     parts.extend(harbour);
     CityPlan { land, parts, interchange, marina }
+}
+
+/// A plan without lines and modules.
+fn on_hills(params: &Params, city: &SeedPath) -> CityPlan {
+    let land = Land::over(Hills::new(city), city);
+    let parts = hill::plan(params, &land, city);
+    CityPlan { land, parts, interchange: Interchange::default(), marina: Marina::default() }
 }
 
 /// Where the decks of an interchange are, for what must keep clear of their embankments.
@@ -128,7 +138,8 @@ fn module_distance(module: &layout::Module<'_>) -> f64 {
 pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
     let layers: Vec<(Layer, Patch)> = plan.parts.iter().flat_map(|(_, c)| c.patches.iter().cloned()).collect();
     let slots = (ground_slot::LAND, ground_slot::KERB);
-    paving::ground(layers, slots, params.radius_m + 200.0, &|p| plan.land.height_m(p))
+    let post_m = if params.variant == Variant::Hill { hill::POST_M } else { paving::GENTLE_M };
+    paving::ground(layers, slots, params.radius_m + 200.0, post_m, &|p| plan.land.height_m(p))
 }
 
 pub(super) struct Assembly<'a> {

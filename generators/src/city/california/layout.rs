@@ -77,10 +77,10 @@ impl Grid {
     pub(super) fn around_harbour(city: &SeedPath) -> Self {
         let path = city.child("grid");
         let mut rng = path.rng();
-        let pitch_m = [rng.range(560.0, 640.0), rng.range(1120.0, 1200.0)];
+        let pitch_m = [rng.range(510.0, 570.0), rng.range(1120.0, 1200.0)];
         let mut this = Self { pitch_m, offset_m: [0.0; 2], path, freeways: false, harbour: true };
         let width_m = -this.position(1, -1);
-        this.offset_m = [-pitch_m[0] * rng.unit(), width_m * rng.range(0.44, 0.6)];
+        this.offset_m = [-pitch_m[0] * rng.unit(), width_m * rng.range(0.3, 0.52)];
         this
     }
 
@@ -225,6 +225,8 @@ pub(super) struct Lot {
     pub(super) bulge_m: f64,
     /// What stands along its rear border: nothing of its own, a fence, a wall towards a larger street.
     pub(super) rear: Rear,
+    /// A level pad on a slope: larger houses, some with flat roofs, and decks beyond the pad's rear.
+    pub(super) hillside: bool,
 }
 
 /// What stands along the rear border of a lot.

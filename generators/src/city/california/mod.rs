@@ -5,6 +5,7 @@
 
 mod assemble;
 mod freeway;
+mod hill;
 mod house;
 mod land;
 mod layout;
@@ -77,6 +78,8 @@ pub enum Variant {
     Interchange,
     /// A marina: basins full of boats between moles with apartments, a channel, and a bank with beaches.
     Waterfront,
+    /// Streets along ridges and spurs, houses on level pads, chaparral in the ravines.
+    Hill,
 }
 
 /// Parameters of a California scene.
@@ -113,6 +116,7 @@ impl Params {
             Variant::Suburb => "suburb",
             Variant::Interchange => "interchange",
             Variant::Waterfront => "waterfront",
+            Variant::Hill => "hill",
         }
     }
 
@@ -123,11 +127,13 @@ impl Params {
         check_range("vehicles", self.vehicles, 0.0..=3.0)
     }
 
-    // The registry asks every region as a method.
-    #[allow(clippy::unused_self)]
     pub(crate) fn height_bounds_m(&self) -> [f64; 2] {
         // Relief and kerbs reach down to -3.9 m, feet and piers 1.5 m below the ground; the tallest palm is 27 m high with
         // its crown, the highest ramp 29 m, with a truck on it 33 m.
+        if self.variant == Variant::Hill {
+            // Ridges lie within 25 m of the datum, ravines up to 90 m below them.
+            return [-110.0, 62.0];
+        }
         let reach = relief::AMPLITUDE_M;
         [-reach - 2.5, 36.0 + reach]
     }

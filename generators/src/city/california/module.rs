@@ -415,6 +415,6 @@ impl Layout<'_> {
         }
         let name = format!("{}/lot/{name}", self.module.name);
         let key = self.module.key.child("lot").child(&name);
-        self.module.lots.push(Lot { name, key, outline, bulge_m, rear });
+        self.module.lots.push(Lot { name, key, outline, bulge_m, rear, hillside: false });
     }
 }

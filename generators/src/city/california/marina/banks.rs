@@ -56,6 +56,19 @@ pub(super) fn plan(
     city: &SeedPath,
 ) -> Vec<(String, Content)> {
     let mut walks = Content::default();
+    // Lawn lies below all that is built; where nothing is, it is seen.
+    let p = DVec2::new;
+    let (south, north) = (harbour.streets[0] + 10.0, harbour.streets[1] - 16.0);
+    let (west, east) = (cell.x[0] + cell.mole_m[0] - 1.0, cell.x[1] - cell.mole_m[1] + 1.0);
+    for (low, high) in [
+        (p(cell.x[0], south), p(cell.x[1], harbour.channel[0] - 20.0)),
+        (p(cell.x[0], cell.tip[0] + 3.0), p(west, north)),
+        (p(east, cell.tip[1] + 3.0), p(cell.x[1], north)),
+        (p(west - 3.0, cell.head + 3.0), p(east + 3.0, north)),
+    ] {
+        let outline = world(land, &polygon::rectangle(low, high));
+        walks.patches.push(plain(Layer::Yard, outline, slot::TURF, false));
+    }
     for (r, reach) in cell.north.iter().chain(&cell.south).enumerate() {
         let outline = strip(reach, 1.0, EDGE_M, EDGE_M + WALK_M);
         walks.patches.push(plain(Layer::Deck, world(land, &outline), slot::PLAZA, false));
@@ -173,9 +186,4 @@ pub(super) fn pier(
     let at = land.world(foot);
     let axis = (land.world(foot + DVec2::Y) - at).normalize();
     Some((format!("harbour/pier/{}", cell.k), at, axis, [length_m, rng.range(2.2, 3.4)]))
-}
-
-/// The outline of a rectangle of the sheet in the world.
-pub(super) fn quad(land: &Land, low: DVec2, high: DVec2) -> Vec<DVec2> {
-    world(land, &polygon::rectangle(low, high))
 }

@@ -97,7 +97,7 @@ pub(super) fn fleet(cell: &Cell, harbour: &Harbour, land: &Land, boats: f64, cit
     let mut out = Fleet::default();
     let key = city.child("basin").index(cell.k as u64);
     let sides = [cell.x[0] + cell.mole_m[0], cell.x[1] - cell.mole_m[1]];
-    let reach = ((sides[1] - sides[0]) / 2.0 - 17.0).min(76.0);
+    let reach = ((sides[1] - sides[0]) / 2.0 - 12.0).min(92.0);
     for (s, x) in sides.into_iter().enumerate() {
         let out_of_shore = if s == 0 { DVec2::X } else { -DVec2::X };
         let end = cell.head - if cell.sandy_head { 72.0 } else { 12.0 };
@@ -113,7 +113,7 @@ pub(super) fn fleet(cell: &Cell, harbour: &Harbour, land: &Land, boats: f64, cit
                 break;
             }
             let name = format!("harbour/basin/{}/{s}/dock/{n}", cell.k);
-            let length_m = (reach - rng.range(0.0, 6.0)).max(34.0);
+            let length_m = (reach - rng.range(0.0, 5.0)).max(34.0);
             berths(&name, DVec2::new(x, y + half), out_of_shore, length_m, berth_m, boats, land, &key, &mut out);
             y += 2.0 * half;
             n += 1;
@@ -138,7 +138,7 @@ fn berths(
 ) {
     let width = berth_width_m(berth_m);
     let pair = 2.0 * width + 1.1;
-    let first = 18.5;
+    let first = 14.6;
     let pairs = libm::floor((length_m - first - 1.0) / pair).max(1.0) as usize;
     let length_m = first + pair * pairs as f64 + 0.6;
     let finger_m = 0.88 * berth_m;

@@ -32,9 +32,9 @@ pub(super) const WALK_M: f64 = 1.15;
 /// Half width of a finger, m.
 const FINGER_M: f64 = 0.55;
 /// Where a walk begins, from the water's line, m.
-const BEGIN_M: f64 = 5.0;
+const BEGIN_M: f64 = 4.0;
 /// Where a gangway comes down on it, m.
-const LANDING_M: f64 = 17.0;
+const LANDING_M: f64 = 13.0;
 
 /// A floating dock in its own frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -30,6 +30,9 @@ const REACH_M: f64 = 3500.0;
 const BASIN_DEPTH_M: f64 = 4.2;
 const CHANNEL_DEPTH_M: f64 = 6.5;
 
+/// What lies nearer to a water's line is on it: corners on the lattice of vertices lie off by half a step, m.
+const LATTICE_M: f64 = 0.004;
+
 /// What a piece of shore is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shore {
@@ -95,7 +98,7 @@ impl Harbour {
         let mut rng = path.rng();
         let streets = [grid.position(1, -1), grid.position(1, 0)];
         let south = streets[0] + Line::Collector.half_row_m() + BANK_M;
-        let channel = [south, south + rng.range(100.0, 128.0)];
+        let channel = [south, south + rng.range(94.0, 118.0)];
         let head = streets[1] - Line::Arterial.half_row_m() - HEAD_M;
         // A mole and the head of the basin after it, by the number of its line.
         let mole = |k: i64| {
@@ -159,7 +162,8 @@ impl Harbour {
                 let widest = w[0].max(w[1]);
                 if p.cmpge(l[0].min(l[1]) - widest).all() && p.cmple(l[0].max(l[1]) + widest).all() {
                     let (distance, t) = to_segment(l[0], l[1], p);
-                    share = share.min(distance / (w[0] + (w[1] - w[0]) * t));
+                    let above = (distance - LATTICE_M).max(0.0);
+                    share = share.min(above / (w[0] + (w[1] - w[0]) * t));
                 }
             }
         }

@@ -110,3 +110,6 @@ pub(super) fn assemble(a: &mut Assembly<'_>, land: &Land, marina: &Marina, reach
         a.put(mesh, (water(*at), *axis), (name.clone(), Class::OtherStructure), set);
     }
 }
+
+#[cfg(test)]
+mod tests;

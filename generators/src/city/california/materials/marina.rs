@@ -29,7 +29,7 @@ impl Materials {
     pub(in super::super) fn add_marina(&mut self, path: &SeedPath) {
         let seed = |name: &str, k: u64| path.child(name).index(k).hash_u32();
         let mut clarity = path.child("clarity").rng();
-        let ground = [water(clarity.range(1.05, 1.7), &seed), seawall(&seed), stones(&seed), sand(&seed)];
+        let ground = [water(clarity.range(0.25, 0.8), &seed), seawall(&seed), stones(&seed), sand(&seed)];
         for m in ground {
             let m = self.add(m);
             self.sets[0].push(m);
@@ -157,7 +157,7 @@ fn water(clarity: f64, seed: &impl Fn(&str, u64) -> u32) -> Material {
     .with(Layer::Strata {
         beds: coast::over_depth(Bands::new(0.03, 0.04, 0.036, 0.1), clarity),
         height: depth(),
-        amount: still("weed", 21.0, 4).ramp(0.0, 0.4).times(0.8),
+        amount: still("weed", 21.0, 4).ramp(0.05, 0.5).times(0.6),
     })
     .with(brightness(still("drift", 70.0, 3).times(0.16)))
     .with(brightness(still("wavelets", 2.6, 3).times(0.1)))
