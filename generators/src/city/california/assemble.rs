@@ -139,7 +139,9 @@ pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
     let layers: Vec<(Layer, Patch)> = plan.parts.iter().flat_map(|(_, c)| c.patches.iter().cloned()).collect();
     let slots = (ground_slot::LAND, ground_slot::KERB);
     let post_m = if params.variant == Variant::Hill { hill::POST_M } else { paving::GENTLE_M };
-    paving::ground(layers, slots, params.radius_m + 200.0, post_m, &|p| plan.land.height_m(p))
+    let mut ground = paving::ground(layers, slots, params.radius_m + 200.0, post_m, &|p| plan.land.height_m(p));
+    hill::shade(&mut ground.mesh, &plan.land);
+    ground
 }
 
 pub(super) struct Assembly<'a> {

@@ -51,7 +51,7 @@ pub(super) fn candidates(ridge: &Ridge, path: &SeedPath) -> Vec<Candidate> {
         let side_key = key.child(if side > 0.0 { "left" } else { "right" });
         let mut s = if spur { 16.0 } else { 0.0 };
         let mut k = 0;
-        while s < length - if spur { 4.0 } else { 20.0 } {
+        while s < length - if spur { 24.0 } else { 30.0 } {
             let mut rng = side_key.index(k).rng();
             let width_m = rng.range(17.5, 22.5);
             let depth_m = rng.range(24.0, 29.0);
@@ -62,8 +62,12 @@ pub(super) fn candidates(ridge: &Ridge, path: &SeedPath) -> Vec<Candidate> {
                 ridge.index[2],
                 if side > 0.0 { 0 } else { 1 }
             );
-            out.extend(candidate(ridge, s + width_m / 2.0 + GAP_M / 2.0, side, [width_m, depth_m], name));
-            s += width_m + GAP_M;
+            // On the inner side of a bend lots are as far apart as their rears need.
+            let bend = at(&ridge.points, s).1.perp_dot(at(&ridge.points, s + 24.0).1) / 24.0 * side;
+            let share = (1.0 - bend.max(0.0) * (PAD_M + depth_m)).max(0.5);
+            let front_m = (width_m + GAP_M) / share;
+            out.extend(candidate(ridge, s + front_m / 2.0, side, [width_m, depth_m], name));
+            s += front_m;
             k += 1;
         }
     }
@@ -71,12 +75,12 @@ pub(super) fn candidates(ridge: &Ridge, path: &SeedPath) -> Vec<Candidate> {
         // Around the end: straight ahead, and to both sides of it.
         let end = ridge.points[ridge.points.len() - 1];
         let (_, along, _) = at(&ridge.points, length);
-        for (n, turn) in [0.0, 0.95, -0.95].into_iter().enumerate() {
+        for (n, turn) in [0.0, 1.2, -1.2].into_iter().enumerate() {
             let mut rng = key.child("end").index(n as u64).rng();
             let (s, c) = libm::sincos(turn);
             let out_of = DVec2::new(c, s).rotate(along);
             let name = format!("{}/{}/{}/end/{n}", ridge.index[0], ridge.index[1], ridge.index[2]);
-            let size = [rng.range(17.0, 21.0), rng.range(23.0, 26.0)];
+            let size = [rng.range(15.5, 18.5), rng.range(23.0, 26.0)];
             // The bulb's edge takes the place of the street's.
             let foot = end.truncate() + out_of * 7.6;
             out.push(made(foot, -out_of.perp(), end.z, size, name));

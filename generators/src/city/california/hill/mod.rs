@@ -12,9 +12,10 @@ use super::{DETAIL_MARGIN_M, Params, RING_M, ground_slot as slot};
 use crate::kit::polygon;
 use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
+use crate::kit::terrain::tiling::normal_of_slope;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use satseed_scene::SeedPath;
+use satseed_scene::{Mesh, SeedPath};
 use skeleton::{Crest, Hills, ROW_M, Ridge};
 
 /// From the middle of a street to its kerb, m.
@@ -25,6 +26,27 @@ const TRACK_M: f64 = 1.9;
 pub(super) const POST_M: f64 = 6.0;
 /// Side of a piece of slope that is planted by its own key, m.
 const TILE_M: f64 = 48.0;
+
+/// Shading normals of a ground over hills: the land's own, so that slopes are as round as the land and not as the triangles
+/// between posts. Kerbs keep theirs.
+pub(super) fn shade(mesh: &mut Mesh, land: &Land) {
+    if land.hills().is_none() {
+        return;
+    }
+    let normal = |p: &[f32; 3]| {
+        let p = DVec2::new(f64::from(p[0]), f64::from(p[1]));
+        let along = |d: DVec2| (land.height_m(p + d) - land.height_m(p - d)) / 2.0;
+        normal_of_slope(DVec2::new(along(DVec2::X), along(DVec2::Y)))
+    };
+    mesh.normals = mesh.positions_m.par_iter().map(normal).collect();
+    for t in (0..mesh.triangles.len()).filter(|t| mesh.slots[*t] == slot::KERB) {
+        let [a, b, c] = mesh.corners(t);
+        let n = (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3().to_array();
+        for v in mesh.triangles[t] {
+            mesh.normals[v as usize] = n;
+        }
+    }
+}
 
 /// Decides streets, lots and slopes of a land that has hills.
 pub(super) fn plan(params: &Params, land: &Land, city: &SeedPath) -> Vec<(String, Content)> {
@@ -68,16 +90,16 @@ pub(super) fn plan(params: &Params, land: &Land, city: &SeedPath) -> Vec<(String
     parts
 }
 
-/// The strip along points of a ridge, to a distance on both sides.
-fn ribbon(points: &[DVec3], half_m: f64) -> Vec<DVec2> {
+/// The strip along some points of a ridge, to a distance on both sides. Strips one after another share their ends.
+fn ribbon(points: &[DVec3], range: core::ops::RangeInclusive<usize>, half_m: f64) -> Vec<DVec2> {
     let n = points.len();
     let side = |sign: f64| {
-        (0..n).map(move |k| {
+        range.clone().map(move |k| {
             let along = (points[(k + 1).min(n - 1)] - points[k.max(1) - 1]).truncate().normalize();
             points[k].truncate() + along.perp() * (sign * half_m)
         })
     };
-    side(-1.0).chain(side(1.0).collect::<Vec<_>>().into_iter().rev()).collect()
+    side(-1.0).chain(side(1.0).rev()).collect()
 }
 
 /// A street or fire road in pieces, those that come within reach.
@@ -93,17 +115,18 @@ fn street(ridge: &Ridge, land: &Land, reach: f64, detail: f64, params: &Params, 
     ];
     let wild = ridge.crest == Crest::Wild;
     for piece in (0..ridge.points.len() - 1).step_by(4) {
-        let points = &ridge.points[piece..=(piece + 4).min(ridge.points.len() - 1)];
+        let range = piece..=(piece + 4).min(ridge.points.len() - 1);
+        let points = &ridge.points[range.clone()];
         let middle = land.world(points[points.len() / 2].truncate());
         if middle.length() > reach + 60.0 {
             continue;
         }
         if wild {
-            out.patches.push(plain(Layer::Drive, world(&ribbon(points, TRACK_M)), slot::TRACK, false));
+            out.patches.push(plain(Layer::Drive, world(&ribbon(&ridge.points, range, TRACK_M)), slot::TRACK, false));
             continue;
         }
         for (layer, half_m, slot, lowered) in bands {
-            out.patches.push(plain(layer, world(&ribbon(points, half_m)), slot, lowered));
+            out.patches.push(plain(layer, world(&ribbon(&ridge.points, range.clone(), half_m)), slot, lowered));
         }
         let mut rng = key.child("piece").index(piece as u64).rng();
         if middle.length() < detail {
@@ -147,7 +170,7 @@ fn slope(hills: &Hills, land: &Land, corner: DVec2, params: &Params, key: &SeedP
     let mut out = Content::default();
     let mut rng = key.rng();
     let seed = hills.cover_seed;
-    let attempts = libm::floor(TILE_M * TILE_M * 0.085 * params.trees + rng.unit()) as u32;
+    let attempts = libm::floor(TILE_M * TILE_M * 0.1 * params.trees + rng.unit()) as u32;
     for _ in 0..attempts {
         let at = corner + DVec2::new(rng.unit(), rng.unit()) * TILE_M;
         let (draw, size, tall) = (rng.unit(), rng.range(0.75, 1.0), rng.unit());
@@ -159,7 +182,7 @@ fn slope(hills: &Hills, land: &Land, corner: DVec2, params: &Params, key: &SeedP
         let north = (here - land.height_m(at + DVec2::new(0.0, 6.0))) / 6.0;
         let low = smoothstep(4.0, 32.0, hills.crest_m(flat) - here);
         let patch = fractal(flat, seed, 46.0, 3, 0.5);
-        let dense = 0.34 + 0.3 * low + 0.55 * north + 0.95 * patch;
+        let dense = 0.44 + 0.3 * low + 0.55 * north + 0.95 * patch;
         if draw > dense {
             continue;
         }

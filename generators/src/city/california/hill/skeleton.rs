@@ -36,7 +36,7 @@ const TRACK_M: f64 = 2.6;
 /// Side of a look-up cell, m.
 const CELL_M: f64 = 48.0;
 /// Two slopes that meet are rounded over this height, m.
-const ROUND_M: f64 = 7.0;
+const ROUND_M: f64 = 11.0;
 
 /// What a ridge carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +101,7 @@ impl Crest {
         let round = 14.0;
         let steep = if over < round { over * over / (2.0 * round) } else { over - round / 2.0 };
         let foot = (d - steep_to).max(0.0);
-        gentle * d + 0.5 * steep - 0.27 * foot
+        gentle * d + 0.56 * steep - 0.3 * foot
     }
 }
 
@@ -140,29 +140,23 @@ impl Hills {
     pub(super) fn natural_m(&self, p: DVec2) -> f64 {
         let Some(near) = self.falls.get(&cell(p)) else { return -60.0 };
         // The highest slope and the highest of another ridge's.
-        let (mut first, mut second) = ((f64::MIN, u32::MAX, FALLS_M), f64::MIN);
+        let (mut first, mut second) = (f64::MIN, f64::MIN);
+        // Gullies and knolls are on slopes, none on a crest.
+        let mut on_slope: f64 = 1.0;
         for chunk in near.chunk_by(|a, b| a[0] == b[0]) {
-            let mut best = (f64::MIN, FALLS_M);
+            let mut best = f64::MIN;
             for id in chunk {
                 let (crest, a, b) = self.piece(*id);
                 let (d, z) = nearest(a, b, p);
-                let h = z - crest.fall_m(d);
-                if h > best.0 {
-                    best = (h, d);
-                }
+                best = best.max(z - crest.fall_m(d));
+                let [from, to] = if crest == Crest::Wild { [6.0, 40.0] } else { [40.0, 75.0] };
+                on_slope = on_slope.min(smoothstep(from, to, d));
             }
-            if best.0 > first.0 {
-                second = first.0;
-                first = (best.0, chunk[0][0], best.1);
-            } else {
-                second = second.max(best.0);
-            }
+            second = second.max(best.min(first));
+            first = first.max(best);
         }
-        let apart = ((first.0 - second) / ROUND_M).min(1.0);
-        let rounded = first.0 + 0.25 * ROUND_M * (1.0 - apart) * (1.0 - apart);
-        // Gullies and knolls on the slopes, none on crests.
-        let wild = self.ridges[first.1 as usize].crest == Crest::Wild;
-        let on_slope = if wild { smoothstep(6.0, 40.0, first.2) } else { smoothstep(40.0, 75.0, first.2) };
+        let apart = ((first - second) / ROUND_M).min(1.0);
+        let rounded = first + 0.25 * ROUND_M * (1.0 - apart) * (1.0 - apart);
         rounded
             + on_slope * (3.2 * fractal(p, self.seed, 78.0, 3, 0.45) + 1.1 * fractal(p, self.seed ^ 9, 23.0, 2, 0.4))
     }
@@ -180,24 +174,33 @@ impl Hills {
 
     fn with_streets(&self, p: DVec2, natural_m: f64) -> f64 {
         let mut h = natural_m;
-        for chunk in self.banks.get(&cell(p)).map_or(&[][..], Vec::as_slice).chunk_by(|a, b| a[0] == b[0]) {
-            let (mut best, mut height) = (f64::MAX, 0.0);
-            for id in chunk {
-                let (_, a, b) = self.piece(*id);
-                let (d, z) = nearest(a, b, p);
-                if d < best {
-                    (best, height) = (d, z);
+        let near = self.banks.get(&cell(p)).map_or(&[][..], Vec::as_slice);
+        // Where a spur leaves a ridge the ridge's street keeps its grade.
+        for spurs in [true, false] {
+            for chunk in near.chunk_by(|a, b| a[0] == b[0]) {
+                let ridge = &self.ridges[chunk[0][0] as usize];
+                if (ridge.index[2] != 0) == spurs {
+                    h = self.with_street(ridge, chunk, p, h);
                 }
-            }
-            let ridge = &self.ridges[chunk[0][0] as usize];
-            let half = if ridge.crest == Crest::Wild { TRACK_M } else { ROW_M };
-            h = kept(h, height, (best - half).max(0.0));
-            if ridge.crest == Crest::Spur {
-                let end = ridge.points[ridge.points.len() - 1];
-                h = kept(h, end.z, (p.distance(end.truncate()) - BULB_ROW_M).max(0.0));
             }
         }
         h
+    }
+
+    /// The ground with the strip of one street and the banks beside it.
+    fn with_street(&self, ridge: &Ridge, pieces: &[[u32; 2]], p: DVec2, natural_m: f64) -> f64 {
+        let at = |id: &[u32; 2]| {
+            let (_, a, b) = self.piece(*id);
+            nearest(a, b, p)
+        };
+        let (d, z) = pieces.iter().map(at).fold((f64::MAX, 0.0), |best, at| if at.0 < best.0 { at } else { best });
+        let half = if ridge.crest == Crest::Wild { TRACK_M } else { ROW_M };
+        let h = kept(natural_m, z, (d - half).max(0.0));
+        if ridge.crest != Crest::Spur {
+            return h;
+        }
+        let end = ridge.points[ridge.points.len() - 1];
+        kept(h, end.z, (p.distance(end.truncate()) - BULB_ROW_M).max(0.0))
     }
 
     /// Distance of the nearest street's middle or, less the difference of their widths, of a cul-de-sac's, m, and its
@@ -265,7 +268,7 @@ impl Hills {
             let (d, z) = self.street(p);
             if d < ROW_M + 1.2
                 || (z - height_m).abs() > BANK * (d - ROW_M)
-                || (self.natural_m(p) - height_m).abs() > 6.0
+                || (self.natural_m(p) - height_m).abs() > 8.0
             {
                 return;
             }
@@ -309,7 +312,7 @@ fn ridges(path: &SeedPath) -> Vec<Ridge> {
     for j in -count..=count {
         let mut rng = path.child("ridge").index(j as u64).rng();
         let own = [rng.range(0.0, tau), rng.range(0.0, tau), rng.range(0.0, tau)];
-        let base_m = rng.signed() * 9.0;
+        let base_m = rng.signed() * 10.0;
         // Neighbours wind nearly together, so that no ravine is too narrow.
         let y = |x: f64| {
             j as f64 * PITCH_M

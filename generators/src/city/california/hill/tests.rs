@@ -36,7 +36,8 @@ fn a_frame_has_its_relief_and_houses() {
         let plan = planned(seed, 330.0);
         let places = frame(6.0);
         let heights: Vec<f64> = places.iter().map(|p| plan.land.height_m(*p)).collect();
-        let relief = heights.iter().copied().fold(f64::MIN, f64::max) - heights.iter().copied().fold(f64::MAX, f64::min);
+        let relief =
+            heights.iter().copied().fold(f64::MIN, f64::max) - heights.iter().copied().fold(f64::MAX, f64::min);
         let roofs: Vec<Vec<DVec2>> = plan
             .parts
             .iter()
@@ -45,9 +46,10 @@ fn a_frame_has_its_relief_and_houses() {
             .collect();
         let bounds: Vec<(DVec2, DVec2)> = roofs.iter().map(|o| polygon::bounds(o)).collect();
         let roofed = |p: &&DVec2| {
-            roofs.iter().zip(&bounds).any(|(o, (low, high))| {
-                p.cmpge(*low).all() && p.cmple(*high).all() && polygon::contains(o, **p)
-            })
+            roofs
+                .iter()
+                .zip(&bounds)
+                .any(|(o, (low, high))| p.cmpge(*low).all() && p.cmple(*high).all() && polygon::contains(o, **p))
         };
         let built = places.iter().filter(roofed).count() as f64 / places.len() as f64;
         let count = |kind: Kind| {
@@ -77,7 +79,8 @@ fn a_frame_has_its_relief_and_houses() {
 #[test]
 fn streets_are_no_steeper_than_cars_climb() {
     for seed in 0..12 {
-        let land = Land::over(Hills::new(&SeedPath::root("california", seed).child("hill")), &SeedPath::root("x", seed));
+        let land =
+            Land::over(Hills::new(&SeedPath::root("california", seed).child("hill")), &SeedPath::root("x", seed));
         let mut steepest: f64 = 0.0;
         for ridge in &land.hills().unwrap().ridges {
             for p in ridge.points.windows(2) {
