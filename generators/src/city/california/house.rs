@@ -329,9 +329,9 @@ fn deck(b: &mut MeshBuilder, low: DVec2, high: DVec2) {
     let rail = [(low.x + 0.05, true), (high.x - 0.05, true), (high.y - 0.05, false)];
     for (at, side) in rail {
         let (centre, half) = if side {
-            (DVec2::new(at, (low.y + high.y) / 2.0), DVec2::new(0.04, (high.y - low.y) / 2.0 - 0.1))
+            (DVec2::new(at, f64::midpoint(low.y, high.y)), DVec2::new(0.04, (high.y - low.y) / 2.0 - 0.1))
         } else {
-            (DVec2::new((low.x + high.x) / 2.0, at), DVec2::new((high.x - low.x) / 2.0 - 0.1, 0.04))
+            (DVec2::new(f64::midpoint(low.x, high.x), at), DVec2::new((high.x - low.x) / 2.0 - 0.1, 0.04))
         };
         b.block(slot::COPING, slot::COPING, centre, DVec2::X, half, 0.1, 1.1);
     }

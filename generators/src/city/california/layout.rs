@@ -80,7 +80,7 @@ impl Grid {
         let pitch_m = [rng.range(510.0, 570.0), rng.range(1120.0, 1200.0)];
         let mut this = Self { pitch_m, offset_m: [0.0; 2], path, freeways: false, harbour: true };
         let width_m = -this.position(1, -1);
-        this.offset_m = [-pitch_m[0] * rng.unit(), width_m * rng.range(0.3, 0.52)];
+        this.offset_m = [-pitch_m[0] * rng.unit(), width_m * rng.range(0.27, 0.47)];
         this
     }
 
@@ -108,13 +108,11 @@ impl Grid {
     pub(super) fn position(&self, axis: usize, k: i64) -> f64 {
         let cell = k.div_euclid(2);
         let start = self.offset_m[axis] + cell as f64 * self.pitch_m[axis];
-        match k.rem_euclid(2) {
-            0 => start,
-            _ => {
-                let mut rng = self.path.child("collector").index(axis as u64).index(cell as u64).rng();
-                start + self.pitch_m[axis] * rng.range(0.44, 0.56)
-            }
+        if k.rem_euclid(2) == 0 {
+            return start;
         }
+        let mut rng = self.path.child("collector").index(axis as u64).index(cell as u64).rng();
+        start + self.pitch_m[axis] * rng.range(0.44, 0.56)
     }
 
     /// Numbers of the lines of an axis within a distance of the pivot, and one more on either side.

@@ -55,13 +55,8 @@ pub(super) fn candidates(ridge: &Ridge, path: &SeedPath) -> Vec<Candidate> {
             let mut rng = side_key.index(k).rng();
             let width_m = rng.range(17.5, 22.5);
             let depth_m = rng.range(24.0, 29.0);
-            let name = format!(
-                "{}/{}/{}/{}/{k}",
-                ridge.index[0],
-                ridge.index[1],
-                ridge.index[2],
-                if side > 0.0 { 0 } else { 1 }
-            );
+            let name =
+                format!("{}/{}/{}/{}/{k}", ridge.index[0], ridge.index[1], ridge.index[2], i32::from(side < 0.0));
             // On the inner side of a bend lots are as far apart as their rears need.
             let bend = at(&ridge.points, s).1.perp_dot(at(&ridge.points, s + 24.0).1) / 24.0 * side;
             let share = (1.0 - bend.max(0.0) * (PAD_M + depth_m)).max(0.5);

@@ -114,20 +114,30 @@ fn street(ridge: &Ridge, land: &Land, reach: f64, detail: f64, params: &Params, 
         (Layer::Local, ROADWAY_M - GUTTER_M, asphalt, true),
     ];
     let wild = ridge.crest == Crest::Wild;
-    for piece in (0..ridge.points.len() - 1).step_by(4) {
-        let range = piece..=(piece + 4).min(ridge.points.len() - 1);
-        let points = &ridge.points[range.clone()];
+    let last = ridge.points.len() - 1;
+    let lay = |out: &mut Content, (layer, half_m, slot, lowered): (Layer, f64, u16, bool), first: usize| {
+        // Bands begin and end at different points: ends on one line would meet in needless corners.
+        let starts = core::iter::once(0).chain((first..last).step_by(4)).filter(|k| *k < last);
+        let mut starts: Vec<usize> = starts.collect();
+        starts.dedup();
+        for (n, from) in starts.iter().enumerate() {
+            let to = starts.get(n + 1).copied().unwrap_or(last);
+            if land.world(ridge.points[(from + to) / 2].truncate()).length() < reach + 60.0 {
+                let outline = world(&ribbon(&ridge.points, *from..=to, half_m));
+                out.patches.push(plain(layer, outline, slot, lowered));
+            }
+        }
+    };
+    if wild {
+        lay(&mut out, (Layer::Drive, TRACK_M, slot::TRACK, false), 4);
+    } else {
+        for (band, first) in bands.into_iter().zip([4, 1, 2]) {
+            lay(&mut out, band, first);
+        }
+    }
+    for piece in (0..last).step_by(4).filter(|_| !wild) {
+        let points = &ridge.points[piece..=(piece + 4).min(last)];
         let middle = land.world(points[points.len() / 2].truncate());
-        if middle.length() > reach + 60.0 {
-            continue;
-        }
-        if wild {
-            out.patches.push(plain(Layer::Drive, world(&ribbon(&ridge.points, range, TRACK_M)), slot::TRACK, false));
-            continue;
-        }
-        for (layer, half_m, slot, lowered) in bands {
-            out.patches.push(plain(layer, world(&ribbon(&ridge.points, range.clone(), half_m)), slot, lowered));
-        }
         let mut rng = key.child("piece").index(piece as u64).rng();
         if middle.length() < detail {
             let (a, b) = (points[0].truncate(), points[1].truncate());
@@ -152,10 +162,12 @@ fn street(ridge: &Ridge, land: &Land, reach: f64, detail: f64, params: &Params, 
             out.patches.push(plain(layer, world(&disc(end, BULB_M + add)), slot, lowered));
             // The mouth widens towards the larger street.
             let (near, far, wide) = (ROADWAY_M - GUTTER_M, ROADWAY_M + 8.0 + add, half_m + 7.0);
+            // It ends inside the spur's own strip.
+            let narrow = half_m - 0.4;
             let quad = [
                 from + along * near - across * wide,
-                from + along * far - across * half_m,
-                from + along * far + across * half_m,
+                from + along * far - across * narrow,
+                from + along * far + across * narrow,
                 from + along * near + across * wide,
             ];
             out.patches.push(plain(layer, world(&quad), slot, lowered));

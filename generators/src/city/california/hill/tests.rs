@@ -62,7 +62,6 @@ fn a_frame_has_its_relief_and_houses() {
         let line = format!(
             "seed {seed}: relief {relief:.1} built {built:.3} houses {houses} villas {villas} pools {pools} shrubs {shrubs}"
         );
-        println!("{line}");
         let sound = (50.0..=130.0).contains(&relief)
             && (0.05..=0.2).contains(&built)
             && houses >= 20

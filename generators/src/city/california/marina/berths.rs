@@ -108,7 +108,7 @@ pub(super) fn fleet(cell: &Cell, harbour: &Harbour, land: &Land, boats: f64, cit
             let mut rng = key.rng();
             let berth_m = BERTHS[rng.weighted(&BERTHS.map(|b| b.1))].0;
             // Two rows of berths and half of the water between this dock and the next.
-            let half = WALK_M + berth_m + 0.75 * berth_m;
+            let half = WALK_M + berth_m + 0.64 * berth_m;
             if y + 2.0 * half > end {
                 break;
             }
@@ -144,8 +144,8 @@ fn berths(
     let finger_m = 0.88 * berth_m;
     let dock = Dock {
         length_m,
-        fingers_m: (0..=pairs).map(|k| first + pair * k as f64).collect(),
-        finger_m,
+        fingers: (0..=pairs).map(|k| first + pair * k as f64).collect(),
+        reach_m: finger_m,
         head_m: WALK_M + finger_m,
     };
     let at = |p: DVec2| land.world(root + axis * p.x + axis.perp() * p.y);

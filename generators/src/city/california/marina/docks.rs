@@ -42,9 +42,9 @@ pub(in super::super) struct Dock {
     /// Length of the walk from the water's line, m.
     pub(super) length_m: f64,
     /// Where fingers leave it, m, the same on both sides.
-    pub(super) fingers_m: Vec<f64>,
+    pub(super) fingers: Vec<f64>,
     /// Length of a finger, m.
-    pub(super) finger_m: f64,
+    pub(super) reach_m: f64,
     /// Half length of the head across its end, m.
     pub(super) head_m: f64,
 }
@@ -65,9 +65,9 @@ impl Dock {
         let p = DVec2::new;
         boards(&mut b, p(BEGIN_M, -WALK_M), p(self.length_m, WALK_M), FREEBOARD_M);
         let top_m = rng.range(2.6, 3.4);
-        for (k, x) in self.fingers_m.iter().enumerate() {
+        for (k, x) in self.fingers.iter().enumerate() {
             for side in [-1.0, 1.0] {
-                let (near, far) = (side * (WALK_M - 0.3), side * (WALK_M + self.finger_m));
+                let (near, far) = (side * (WALK_M - 0.3), side * (WALK_M + self.reach_m));
                 boards(&mut b, p(x - FINGER_M, near.min(far)), p(x + FINGER_M, near.max(far)), FREEBOARD_M - 0.03);
                 pile(&mut b, p(*x, far + side * 0.26), top_m);
                 if k % 3 == 1 {
@@ -130,7 +130,7 @@ pub(super) fn pier(length_m: f64, half_m: f64) -> Mesh {
             b.block(
                 slot::FLOAT,
                 slot::FLOAT,
-                p((low.x + high.x) / 2.0, y),
+                p(f64::midpoint(low.x, high.x), y),
                 DVec2::X,
                 p((high.x - low.x) / 2.0, 0.06),
                 deck - 0.1,
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn docks_are_closed_and_float() {
-        let dock = Dock { length_m: 58.0, fingers_m: vec![20.0, 30.0, 40.0, 50.0], finger_m: 11.0, head_m: 14.0 };
+        let dock = Dock { length_m: 58.0, fingers: vec![20.0, 30.0, 40.0, 50.0], reach_m: 11.0, head_m: 14.0 };
         let m = dock.mesh(&mut SeedPath::root("dock", 1).rng());
         assert_eq!((m.validate(), open_edges(&m)), (Ok(()), 0));
         let decks = m.triangles.iter().zip(&m.slots).filter(|(_, s)| **s == slot::DECK);

@@ -19,7 +19,7 @@ pub(super) const STONES_M: f64 = 3.6;
 pub(super) const BEACH_M: f64 = 27.0;
 
 /// From the property line of the northern street to the heads of basins, m.
-const HEAD_M: f64 = 68.0;
+const HEAD_M: f64 = 74.0;
 /// From the property line of the southern street to the water, m.
 const BANK_M: f64 = 100.0;
 /// Inland from the harbour the land's own relief comes up over this distance, m.
@@ -103,7 +103,7 @@ impl Harbour {
         // A mole and the head of the basin after it, by the number of its line.
         let mole = |k: i64| {
             let mut rng = path.child("mole").index(k as u64).rng();
-            (grid.position(0, k), rng.range(51.0, 60.0), channel[1] + rng.range(0.0, 16.0))
+            (grid.position(0, k), rng.range(52.0, 61.0), channel[1] + rng.range(0.0, 16.0))
         };
         let numbers = grid.numbers(0, REACH_M);
         let cells = (*numbers.start()..*numbers.end())

@@ -57,9 +57,8 @@ fn a_frame_has_its_water_boats_and_houses() {
             count(Kind::House),
             plan.marina.piers.len(),
         );
-        println!("{line}");
         let sound = (0.2..=0.5).contains(&share)
-            && (150..1500).contains(&boats.len())
+            && (130..1500).contains(&boats.len())
             && kinds.len() >= 5
             && (0.15..0.6).contains(&(masts as f64 / boats.len() as f64))
             && count(Kind::Apartments) >= 6

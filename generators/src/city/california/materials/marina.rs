@@ -170,7 +170,7 @@ fn water(clarity: f64, seed: &impl Fn(&str, u64) -> u32) -> Material {
 /// Height of the water as materials take it, m.
 const WATER: f32 = WATER_M as f32;
 
-const SAND: Bands = Bands::new(0.215, 0.275, 0.318, 0.39);
+const SAND: Bands = Bands::new(0.215, 0.275, 0.32, 0.39);
 
 fn seawall(seed: &impl Fn(&str, u64) -> u32) -> Material {
     let wet = Field::Sum(vec![Field::Along(Coordinate::HEIGHT), noise(seed("wall", 1), 3.0, 3).times(0.4)]);
