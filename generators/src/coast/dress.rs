@@ -140,7 +140,7 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
     let (ruts, _) = relief.track(p, place);
     let (path, _) = relief.path(p, place);
     let values = [
-        f64::sqrt((still / DEEP_M).clamp(0.0, 1.0)),
+        coded_depth(still),
         fresh.max(edge),
         loose,
         wet * f64::from(s.land_m < 6.0),
@@ -197,8 +197,13 @@ const WATERS: [[f64; 4]; 3] = [[0.055, 0.075, 0.36, 2.2], [0.12, 0.12, 0.42, 2.4
 /// Reflectance of endless depth of the same waters.
 const DEEPS: [[f32; 4]; 3] = [[0.034, 0.024, 0.006, 0.001], [0.034, 0.036, 0.010, 0.002], [0.046, 0.062, 0.036, 0.008]];
 
+/// How the cover codes a depth, 0 to 1: finest where colour changes most.
+pub(crate) fn coded_depth(depth_m: f64) -> f64 {
+    f64::sqrt((depth_m / DEEP_M).clamp(0.0, 1.0))
+}
+
 /// Colour over depth, as the cover codes it (Maritorena et al. 1994): the bottom seen through the water, and the water's own.
-pub(super) fn over_depth(bottom: Bands, clarity: f64) -> Beds {
+pub(crate) fn over_depth(bottom: Bands, clarity: f64) -> Beds {
     let k = (clarity as usize).min(1);
     let t = clarity - k as f64;
     let steps = 96;

@@ -11,6 +11,7 @@ use crate::kit::terrain::tiling::{Tiling, normal_of_slope, place_terrain};
 use crate::kit::terrain::tin::{Grain, Ground, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
 use dress::slot;
+pub(crate) use dress::{coded_depth, over_depth};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use relief::{POST_M, Relief};

@@ -12,8 +12,9 @@ type Point = [i64; 2];
 /// Side of a look-up cell, lattice steps: 8 m.
 const CELL: i64 = 8 << 10;
 
-/// Rounds at most. Three or four are usual; what crosses after them stays as it is.
-const ROUNDS: usize = 24;
+/// Rounds at most. Three or four are usual; two edges that part at a sharp angle may be closed a lattice step at a time, as
+/// by a zip, which takes dozens. What crosses after them stays as it is.
+const ROUNDS: usize = 96;
 
 /// The outlines with a corner wherever two of them, or one and itself, cross. Corners lie on the lattice of
 /// [`QUANTUM_M`]; every corner that was given is kept, moved to the lattice.

@@ -1,10 +1,13 @@
 //! From the plan to a scene.
 
 use super::freeway::{self, Interchange};
+use super::hill::{self, skeleton::Hills};
 use super::house::add_extras;
 use super::land::Land;
 use super::layout::{self, Grid};
 use super::lot::{self, Building, Content, Plant};
+use super::marina::harbour::Harbour;
+use super::marina::{self, Marina};
 use super::materials::Materials;
 use super::paving::{self, KERB_M, Layer};
 use super::{DETAIL_MARGIN_M, Params, RING_M, Variant, ground_slot, slabs, streets, urban};
@@ -22,19 +25,27 @@ pub(super) struct CityPlan {
     pub(super) land: Land,
     pub(super) parts: Vec<(String, Content)>,
     pub(super) interchange: Interchange,
+    pub(super) marina: Marina,
 }
 
 /// Individuals of each kind of plant.
 const INDIVIDUALS: u64 = 8;
 
 pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
-    let land = Land::new(city);
     if urban::is(params.variant) {
+        let land = Land::new(city);
         let parts = urban::plan(params, &land, city);
-        return CityPlan { land, parts, interchange: Interchange::default() };
+        return CityPlan { land, parts, interchange: Interchange::default(), marina: Marina::default() };
     }
     let freeways = params.variant == Variant::Interchange;
-    let grid = Grid::new(city, freeways);
+    let (land, grid) = match params.variant {
+        Variant::Hill => return on_hills(params, city),
+        Variant::Waterfront => {
+            let grid = Grid::around_harbour(city);
+            (Land::around(Harbour::new(&grid, city), city), grid)
+        }
+        _ => (Land::new(city), Grid::new(city, freeways)),
+    };
     let interchange = if freeways { freeway::plan(params, &grid, &land, city) } else { Interchange::default() };
     let roofed = Roofed::of(&interchange);
     let reach = params.radius_m + RING_M;
@@ -72,7 +83,16 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     }
     let plants = interchange.plants.iter().filter(|p| !roofed.near(p.at)).copied().collect();
     parts.push(("interchange".to_owned(), Content { plants, ..Content::default() }));
-    CityPlan { land, parts, interchange }
+    let (harbour, marina) = marina::plan(params, &grid, &land, city);
+    parts.extend(harbour);
+    CityPlan { land, parts, interchange, marina }
+}
+
+/// A plan without lines and modules.
+fn on_hills(params: &Params, city: &SeedPath) -> CityPlan {
+    let land = Land::over(Hills::new(city), city);
+    let parts = hill::plan(params, &land, city);
+    CityPlan { land, parts, interchange: Interchange::default(), marina: Marina::default() }
 }
 
 /// Where the decks of an interchange are, for what must keep clear of their embankments.
@@ -123,13 +143,16 @@ fn module_distance(module: &layout::Module<'_>) -> f64 {
 pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
     let layers: Vec<(Layer, Patch)> = plan.parts.iter().flat_map(|(_, c)| c.patches.iter().cloned()).collect();
     let slots = (ground_slot::LAND, ground_slot::KERB);
-    paving::ground(layers, slots, params.radius_m + 200.0, &|p| plan.land.height_m(p))
+    let post_m = if params.variant == Variant::Hill { hill::POST_M } else { paving::GENTLE_M };
+    let mut ground = paving::ground(layers, slots, params.radius_m + 200.0, post_m, &|p| plan.land.height_m(p));
+    hill::shade(&mut ground.mesh, &plan.land);
+    ground
 }
 
-struct Assembly<'a> {
-    scene: Scene,
-    materials: Materials,
-    city: &'a SeedPath,
+pub(super) struct Assembly<'a> {
+    pub(super) scene: Scene,
+    pub(super) materials: Materials,
+    pub(super) city: &'a SeedPath,
     detail_m: f64,
 }
 
@@ -139,7 +162,7 @@ fn placed(position: DVec3, axis: DVec2, scale: f64) -> DAffine3 {
 }
 
 impl Assembly<'_> {
-    fn mesh(&mut self, mesh: Mesh) -> u32 {
+    pub(super) fn mesh(&mut self, mesh: Mesh) -> u32 {
         self.scene.meshes.push(mesh);
         self.scene.meshes.len() as u32 - 1
     }
@@ -155,6 +178,13 @@ impl Assembly<'_> {
         self.scene.instances.push(Instance { mesh, world_from_object, object, material_set, variation });
     }
 
+    /// An object of one instance, upright, its x along an axis of the plan.
+    pub(super) fn put(&mut self, mesh: u32, (at, axis): (DVec3, DVec2), (name, class): (String, Class), set: u32) {
+        let key = self.city.child(&name);
+        let object = self.object(name, class);
+        self.instance(mesh, placed(at, axis, 1.0), object, set, &key);
+    }
+
     fn near(&self, p: DVec2) -> bool {
         p.length() < self.detail_m
     }
@@ -164,6 +194,9 @@ pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Sce
     let mut materials = Materials::new(&city.child("materials"));
     if urban::is(params.variant) {
         materials.add_urban(&city.child("materials"));
+    }
+    if params.variant == Variant::Waterfront {
+        materials.add_marina(&city.child("materials"));
     }
     let detail_m = params.radius_m + DETAIL_MARGIN_M;
     let mut a = Assembly { scene: Scene::default(), materials, city, detail_m };
@@ -176,6 +209,7 @@ pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Sce
     vegetation(&mut a, plan);
     vehicles(&mut a, plan);
     lights(&mut a, plan);
+    marina::assemble(&mut a, &plan.land, &plan.marina, params.radius_m + RING_M);
     a.scene.materials = a.materials.list;
     a.scene.material_sets = a.materials.sets;
     a.scene.pivot_height_m = plan.land.height_m(DVec2::ZERO);

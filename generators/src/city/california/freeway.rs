@@ -288,9 +288,9 @@ fn freeway(
     let sign = if upper { -1.0 } else { 1.0 };
     let mut gaps = vec![[-VIADUCT_M[usize::from(upper)], VIADUCT_M[usize::from(upper)]]];
     for k in grid.numbers(axis, REACH_M) {
-        if grid.kind(k) != Line::Freeway {
+        if grid.kind(axis, k) != Line::Freeway {
             let s = sign * (grid.position(axis, k) - centre[axis]);
-            let half = grid.kind(k).half_row_m() + 5.0;
+            let half = grid.kind(axis, k).half_row_m() + 5.0;
             gaps.push([s - half, s + half]);
         }
     }

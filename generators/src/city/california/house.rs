@@ -2,6 +2,7 @@
 //!
 //! Everything is drawn in the lot's frame: x along the street, y into the lot.
 
+use super::lot::Kind;
 use super::urban::fittings::Fitting;
 use crate::kit::buildings::{BuildingPlan, Facade, Mass, Roof, RoofItem, RoofItemKind, slot};
 use crate::kit::mesh_builder::{MeshBuilder, Wall};
@@ -30,6 +31,8 @@ pub(super) enum Extra {
     Cover { low: DVec2, high: DVec2, height_m: f64 },
     /// Part of a larger building.
     Fitting(Fitting),
+    /// A deck on posts over falling ground: outline. Its floor lies a step above the pad.
+    Deck { low: DVec2, high: DVec2 },
 }
 
 /// A house in its lot's frame, and the pieces of ground that belong to it.
@@ -307,12 +310,65 @@ pub(super) fn add_extras(mesh: &mut Mesh, extras: &[Extra]) {
                 }
             }
             Extra::Fitting(f) => f.add(&mut b),
+            Extra::Deck { low, high } => deck(&mut b, *low, *high),
             Extra::Solar { corner, along, up, height_m, slope, count } => {
                 solar_slab(&mut b, *corner, *along, *up, *height_m, *slope, *count);
             }
         }
     }
     append(mesh, b.finish());
+}
+
+/// How deep the posts of a deck reach below the pad, m: deeper than a bank falls below its outer edge.
+const POSTS_M: f64 = 4.5;
+
+fn deck(b: &mut MeshBuilder, low: DVec2, high: DVec2) {
+    b.prism(slot::TERRACE, slot::TERRACE, &polygon::rectangle(low, high), -0.1, 0.18, Wall::PLAIN);
+    let posts = libm::ceil((high.x - low.x) / 3.2).max(2.0) as u32;
+    for k in 0..=posts {
+        let x = low.x + 0.15 + (high.x - low.x - 0.3) * f64::from(k) / f64::from(posts);
+        b.block(slot::COPING, slot::COPING, DVec2::new(x, high.y - 0.3), DVec2::X, DVec2::splat(0.1), -POSTS_M, 0.05);
+    }
+    // A rail on the three free sides.
+    let rail = [(low.x + 0.05, true), (high.x - 0.05, true), (high.y - 0.05, false)];
+    for (at, side) in rail {
+        let (centre, half) = if side {
+            (DVec2::new(at, f64::midpoint(low.y, high.y)), DVec2::new(0.04, (high.y - low.y) / 2.0 - 0.1))
+        } else {
+            (DVec2::new(f64::midpoint(low.x, high.x), at), DVec2::new((high.x - low.x) / 2.0 - 0.1, 0.04))
+        };
+        b.block(slot::COPING, slot::COPING, centre, DVec2::X, half, 0.1, 1.1);
+    }
+}
+
+/// What a slope makes of a house: many have flat roofs on several levels, some a deck beyond the pad's rear edge.
+pub(super) fn on_slope(house: &mut House, room: &Room, deep_m: f64, rng: &mut Rng) -> Kind {
+    if rng.chance(0.45) {
+        let (low, high) = (house.sides_m[0].max(room.x[0] + 0.5), house.sides_m[1].min(room.x[1] - 0.5));
+        let width = (high - low) * rng.range(0.45, 0.9);
+        let x = rng.range(low, high - width + 0.01);
+        let out = rng.range(2.4, 3.8);
+        house.extras.push(Extra::Deck {
+            low: DVec2::new(x, deep_m - rng.range(1.0, 2.2)),
+            high: DVec2::new(x + width, deep_m + out),
+        });
+    }
+    if !rng.chance(0.48) {
+        return Kind::House;
+    }
+    let parapet_m = rng.range(0.2, 0.6);
+    for (k, mass) in house.masses.iter_mut().enumerate() {
+        // Each level a little lower than the one before: none shares a plane with another.
+        mass.roof_m += 0.5 - 0.17 * k as f64;
+        mass.roof = Roof::Flat { parapet_m, slot: slot::ROOF };
+    }
+    let main = &house.masses[0];
+    for item in &mut house.items {
+        item.base_m = main.roof_m;
+        item.height_m = item.height_m.min(0.9);
+    }
+    house.ridge_m = house.masses.iter().map(ridge_m).fold(0.0, f64::max);
+    Kind::Villa
 }
 
 fn solar_slab(b: &mut MeshBuilder, corner: DVec2, along: DVec2, up: DVec2, height_m: f64, slope: f64, count: [u32; 2]) {
@@ -361,7 +417,7 @@ pub(super) fn grounded(
             Extra::Fitting(f) => f.shift(-middle),
             Extra::Solar { corner, .. } => *corner -= middle,
             Extra::Door { centre, .. } => *centre -= middle,
-            Extra::Cover { low, high, .. } => {
+            Extra::Cover { low, high, .. } | Extra::Deck { low, high } => {
                 *low -= middle;
                 *high -= middle;
             }

@@ -3,6 +3,8 @@
 //! Streets and lots are laid out with straight lines and right angles on a flat sheet. The sheet is turned and warped, so
 //! that in the world nearly every street bends; the layout never needs to know.
 
+use super::hill::skeleton::Hills;
+use super::marina::harbour::Harbour;
 use crate::city::toronto::relief::Swells;
 use crate::kit::polygon;
 use glam::DVec2;
@@ -18,6 +20,8 @@ pub(super) struct Land {
     turn: DVec2,
     /// Direction of the shift, wave vector, phase.
     waves: [(DVec2, DVec2, f64); 3],
+    harbour: Option<Harbour>,
+    hills: Option<Hills>,
 }
 
 impl Land {
@@ -30,12 +34,47 @@ impl Land {
             let k = core::f64::consts::TAU / wavelength_m * rng.range(0.9, 1.1);
             (DVec2::new(c, s) * amplitude_m, DVec2::new(along, across) * k, rng.range(0.0, core::f64::consts::TAU))
         });
-        Self { relief: Swells::new(city), turn: DVec2::new(c, s), waves }
+        Self { relief: Swells::new(city), turn: DVec2::new(c, s), waves, harbour: None, hills: None }
+    }
+
+    /// Straight land around a harbour, turned any way.
+    pub(super) fn around(harbour: Harbour, city: &SeedPath) -> Self {
+        Self { harbour: Some(harbour), ..Self::straight(city) }
+    }
+
+    /// Hills, turned any way.
+    pub(super) fn over(hills: Hills, city: &SeedPath) -> Self {
+        Self { hills: Some(hills), ..Self::straight(city) }
+    }
+
+    fn straight(city: &SeedPath) -> Self {
+        let (s, c) = libm::sincos(city.child("land").rng().range(0.0, core::f64::consts::TAU));
+        let still = (DVec2::ZERO, DVec2::ZERO, 0.0);
+        Self { relief: Swells::new(city), turn: DVec2::new(c, s), waves: [still; 3], harbour: None, hills: None }
     }
 
     /// Height of the ground at a place of the world, m.
     pub(super) fn height_m(&self, p: DVec2) -> f64 {
-        self.relief.height_m(p)
+        if let Some(hills) = &self.hills {
+            return hills.height_m(self.turned_back(p));
+        }
+        let relief_m = self.relief.height_m(p);
+        self.harbour.as_ref().map_or(relief_m, |h| h.height_m(self.turned_back(p), relief_m))
+    }
+
+    /// The harbour, if there is one.
+    pub(super) fn harbour(&self) -> Option<&Harbour> {
+        self.harbour.as_ref()
+    }
+
+    /// The hills, if there are any.
+    pub(super) fn hills(&self) -> Option<&Hills> {
+        self.hills.as_ref()
+    }
+
+    /// A place of the world on the sheet, where that is straight.
+    pub(super) fn turned_back(&self, p: DVec2) -> DVec2 {
+        DVec2::new(self.turn.x, -self.turn.y).rotate(p)
     }
 
     /// A place of the sheet in the world.

@@ -17,6 +17,8 @@ pub(super) enum Line {
     Collector,
     /// A freeway on its embankment; nothing opens into it, and what crosses it passes below.
     Freeway,
+    /// No line: the street that comes here ends.
+    End,
 }
 
 impl Line {
@@ -25,7 +27,7 @@ impl Line {
         match self {
             Self::Arterial => 12.6,
             Self::Collector => 7.0,
-            Self::Freeway => 0.0,
+            Self::Freeway | Self::End => 0.0,
         }
     }
 
@@ -35,6 +37,7 @@ impl Line {
             Self::Arterial => 17.0,
             Self::Collector => 11.0,
             Self::Freeway => 52.0,
+            Self::End => 0.0,
         }
     }
 }
@@ -56,6 +59,8 @@ pub(super) struct Grid {
     path: SeedPath,
     /// The arterials of number 0 are freeways.
     freeways: bool,
+    /// The land between the lines -1 and 0 of the second axis is a harbour, and all lines of the first axis are collectors.
+    harbour: bool,
 }
 
 impl Grid {
@@ -65,13 +70,25 @@ impl Grid {
         let pitch_m = [rng.range(770.0, 830.0), rng.range(770.0, 830.0)];
         // Freeways cross near the pivot, arterials rather not.
         let offset_m = pitch_m.map(|p| if freeways { 45.0 * rng.signed() } else { -p * rng.range(0.12, 0.88) });
-        Self { pitch_m, offset_m, path, freeways }
+        Self { pitch_m, offset_m, path, freeways, harbour: false }
+    }
+
+    /// Lines around a harbour that the pivot lies in: close together where streets run out onto its moles.
+    pub(super) fn around_harbour(city: &SeedPath) -> Self {
+        let path = city.child("grid");
+        let mut rng = path.rng();
+        let pitch_m = [rng.range(510.0, 570.0), rng.range(1120.0, 1200.0)];
+        let mut this = Self { pitch_m, offset_m: [0.0; 2], path, freeways: false, harbour: true };
+        let width_m = -this.position(1, -1);
+        this.offset_m = [-pitch_m[0] * rng.unit(), width_m * rng.range(0.27, 0.47)];
+        this
     }
 
     /// Kind of a line: even ones are arterials.
-    pub(super) fn kind(&self, k: i64) -> Line {
+    pub(super) fn kind(&self, axis: usize, k: i64) -> Line {
         match k {
             0 if self.freeways => Line::Freeway,
+            _ if self.harbour && axis == 0 => Line::Collector,
             _ if k.rem_euclid(2) == 0 => Line::Arterial,
             _ => Line::Collector,
         }
@@ -82,17 +99,20 @@ impl Grid {
         self.freeways
     }
 
+    /// Whether the land after a line of the second axis is a harbour.
+    pub(super) fn is_harbour(&self, j: i64) -> bool {
+        self.harbour && j == -1
+    }
+
     /// Where a line crosses an axis of the sheet, m.
     pub(super) fn position(&self, axis: usize, k: i64) -> f64 {
         let cell = k.div_euclid(2);
         let start = self.offset_m[axis] + cell as f64 * self.pitch_m[axis];
-        match self.kind(k) {
-            Line::Arterial | Line::Freeway => start,
-            Line::Collector => {
-                let mut rng = self.path.child("collector").index(axis as u64).index(cell as u64).rng();
-                start + self.pitch_m[axis] * rng.range(0.44, 0.56)
-            }
+        if k.rem_euclid(2) == 0 {
+            return start;
         }
+        let mut rng = self.path.child("collector").index(axis as u64).index(cell as u64).rng();
+        start + self.pitch_m[axis] * rng.range(0.44, 0.56)
     }
 
     /// Numbers of the lines of an axis within a distance of the pivot, and one more on either side.
@@ -127,12 +147,15 @@ pub(super) fn pieces(grid: &Grid, reach_m: f64) -> Vec<Piece> {
     for axis in 0..2_usize {
         let other = 1 - axis;
         for k in grid.numbers(axis, reach_m) {
-            if grid.kind(k) == Line::Freeway {
+            if grid.kind(axis, k) == Line::Freeway {
                 continue;
             }
             let across = grid.position(axis, k);
             let numbers = grid.numbers(other, reach_m);
             for j in *numbers.start()..*numbers.end() {
+                if axis == 0 && grid.is_harbour(j) {
+                    continue;
+                }
                 let point = |along: f64| {
                     let mut p = DVec2::ZERO;
                     p[axis] = across;
@@ -141,9 +164,9 @@ pub(super) fn pieces(grid: &Grid, reach_m: f64) -> Vec<Piece> {
                 };
                 out.push(Piece {
                     index: [axis as i64, k, j],
-                    kind: grid.kind(k),
+                    kind: grid.kind(axis, k),
                     ends: [point(grid.position(other, j)), point(grid.position(other, j + 1))],
-                    meets: [grid.kind(j), grid.kind(j + 1)],
+                    meets: [grid.kind(other, j), grid.kind(other, j + 1)],
                 });
             }
         }
@@ -200,6 +223,8 @@ pub(super) struct Lot {
     pub(super) bulge_m: f64,
     /// What stands along its rear border: nothing of its own, a fence, a wall towards a larger street.
     pub(super) rear: Rear,
+    /// A level pad on a slope: larger houses, some with flat roofs, and decks beyond the pad's rear.
+    pub(super) hillside: bool,
 }
 
 /// What stands along the rear border of a lot.
@@ -247,9 +272,9 @@ pub(super) struct Module<'a> {
 pub(super) fn modules<'a>(grid: &Grid, land: &'a Land, city: &SeedPath, reach_m: f64) -> Vec<Module<'a>> {
     let mut out = Vec::new();
     let (xs, ys) = (grid.numbers(0, reach_m), grid.numbers(1, reach_m));
-    for j in *ys.start()..*ys.end() {
+    for j in (*ys.start()..*ys.end()).filter(|j| !grid.is_harbour(*j)) {
         for i in *xs.start()..*xs.end() {
-            let edge = |axis: usize, k: i64, side: f64| grid.position(axis, k) + side * grid.kind(k).half_row_m();
+            let edge = |axis: usize, k: i64, side: f64| grid.position(axis, k) + side * grid.kind(axis, k).half_row_m();
             let low = DVec2::new(edge(0, i, 1.0), edge(1, j, 1.0));
             let high = DVec2::new(edge(0, i + 1, -1.0), edge(1, j + 1, -1.0));
             let nearest = DVec2::ZERO.clamp(low, high);

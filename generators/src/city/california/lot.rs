@@ -23,6 +23,10 @@ pub(super) enum Kind {
     School,
     /// Of downtown and of low blocks.
     Urban(Use),
+    /// A house under flat roofs.
+    Villa,
+    /// Flats, two to four storeys.
+    Apartments,
 }
 
 /// A building of the plan.
@@ -164,6 +168,11 @@ pub(super) fn plan(params: &Params, lot: &Lot, height_m: &dyn Fn(DVec2) -> f64) 
         scatter(&frame, &inner, params, &[], &mut lot.key.child("trees").rng(), 3, &mut out);
         return out;
     };
+    let kind = if lot.hillside {
+        house::on_slope(&mut h, &room, deep, &mut lot.key.child("slope").rng())
+    } else {
+        Kind::House
+    };
     if lot.key.child("solar").rng().chance(0.19) {
         let extra = house::solar(&h, frame.axis, &mut lot.key.child("panels").rng());
         out.solar = u32::from(extra.is_some());
@@ -177,8 +186,7 @@ pub(super) fn plan(params: &Params, lot: &Lot, height_m: &dyn Fn(DVec2) -> f64) 
     cars(&frame, &local, &h, lot, params, &mut out);
     let ridge_m = h.ridge_m;
     let plan = house::grounded(frame.centre, frame.axis, h.masses, h.items, &mut h.extras, height_m);
-    out.buildings
-        .insert(0, (format!("{}/house", lot.name), Building { kind: Kind::House, plan, extras: h.extras, ridge_m }));
+    out.buildings.insert(0, (format!("{}/house", lot.name), Building { kind, plan, extras: h.extras, ridge_m }));
     for (k, (outline, wall_m)) in sheds(&local, h.rear_m, &mut lot.key.child("shed").rng()).into_iter().enumerate() {
         let roof = Roof::Gable { along_first: k % 2 == 0, rise_m: 0.55, eaves_m: 0.12, hip: 0.0 };
         let clear = |p: &Planted| !polygon::contains(&polygon::mitred(&outline, -1.0), frame.local(p.at));

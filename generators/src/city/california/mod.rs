@@ -5,10 +5,12 @@
 
 mod assemble;
 mod freeway;
+mod hill;
 mod house;
 mod land;
 mod layout;
 mod lot;
+mod marina;
 mod materials;
 mod module;
 mod paving;
@@ -60,6 +62,11 @@ mod ground_slot {
     /// Pools: pale, blue, green-blue, neglected.
     pub(super) const POOL: [u16; 4] = [49, 50, 51, 52];
     pub(super) const COUNT: usize = 53;
+    // A harbour's own come after the others.
+    pub(super) const WATER: u16 = 53;
+    pub(super) const SEAWALL: u16 = 54;
+    pub(super) const RIPRAP: u16 = 55;
+    pub(super) const SAND: u16 = 56;
 }
 
 /// Which part of the city.
@@ -74,6 +81,10 @@ pub enum Variant {
     Downtown,
     /// Shops, apartments and workshops of one to three storeys with their parking.
     Lowrise,
+    /// A marina: basins full of boats between moles with apartments, a channel, and a bank with beaches.
+    Waterfront,
+    /// Streets along ridges and spurs, houses on level pads, chaparral in the ravines.
+    Hill,
 }
 
 /// Parameters of a California scene.
@@ -111,6 +122,8 @@ impl Params {
             Variant::Interchange => "interchange",
             Variant::Downtown => "downtown",
             Variant::Lowrise => "lowrise",
+            Variant::Waterfront => "waterfront",
+            Variant::Hill => "hill",
         }
     }
 
@@ -121,16 +134,18 @@ impl Params {
         check_range("vehicles", self.vehicles, 0.0..=3.0)
     }
 
-    // The registry asks every region as a method.
-    #[allow(clippy::unused_self)]
     pub(crate) fn height_bounds_m(&self) -> [f64; 2] {
         // Relief and kerbs reach down to -3.9 m, feet and piers 1.5 m below the ground; the tallest palm is 27 m high with
         // its crown, the highest ramp 29 m, with a truck on it 33 m.
+        if self.variant == Variant::Hill {
+            // Ridges lie within 25 m of the datum, ravines up to 90 m below them.
+            return [-110.0, 62.0];
+        }
         let reach = relief::AMPLITUDE_M;
         let highest_m = match self.variant {
             Variant::Downtown => 220.0,
             Variant::Lowrise => 55.0,
-            Variant::Suburb | Variant::Interchange => 36.0,
+            Variant::Suburb | Variant::Interchange | Variant::Waterfront | Variant::Hill => 36.0,
         };
         [-reach - 2.5, highest_m + reach]
     }

@@ -52,7 +52,7 @@ pub(super) fn lay_out<'a>(
     let mut rng = key.child("layout").rng();
     let mut low = low;
     let mut high = high;
-    let mut borders = [0, 1, 2, 3].map(|k| match grid.kind(index[k / 2] + (k % 2) as i64) {
+    let mut borders = [0, 1, 2, 3].map(|k| match grid.kind(k / 2, index[k / 2] + (k % 2) as i64) {
         Line::Freeway => Border::Freeway,
         line => Border::Street(line),
     });
@@ -415,6 +415,6 @@ impl Layout<'_> {
         }
         let name = format!("{}/lot/{name}", self.module.name);
         let key = self.module.key.child("lot").child(&name);
-        self.module.lots.push(Lot { name, key, outline, bulge_m, rear });
+        self.module.lots.push(Lot { name, key, outline, bulge_m, rear, hillside: false });
     }
 }

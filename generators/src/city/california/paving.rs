@@ -38,10 +38,12 @@ pub(super) enum Layer {
     Island,
 }
 
-/// Longest edge of an outline when it is handed on, m. The ground's own posts stand further apart, so that it divides none
-/// again: a divided edge would leave the lattice on which the outlines were made to meet.
-const LONGEST_M: f64 = 18.0;
-const FINE_M: f64 = 20.0;
+/// Longest edge of an outline when it is handed on, by the spacing of the ground's own posts: these stand further apart, so
+/// that no edge is divided again. A divided edge would leave the lattice on which the outlines were made to meet.
+const LONGEST: f64 = 0.9;
+
+/// Spacing of posts on gentle land, m.
+pub(super) const GENTLE_M: f64 = 20.0;
 
 /// Height of a kerb, m.
 pub(super) const KERB_M: f64 = 0.15;
@@ -49,15 +51,17 @@ pub(super) const KERB_M: f64 = 0.15;
 /// Half side of the ground, m.
 pub(super) const HALF_M: f64 = 2400.0;
 
-/// Triangulates layers of patches; what no patch covers is open land.
+/// Triangulates layers of patches over a relief followed at `post_m`; what no patch covers is open land.
 pub(super) fn ground(
     mut layers: Vec<(Layer, Patch)>,
     slots: (u16, u16),
     fine_radius_m: f64,
+    post_m: f64,
     height_m: &dyn Fn(DVec2) -> f64,
 ) -> Ground {
     layers.sort_by_key(|(layer, _)| *layer);
-    let outlines: Vec<Vec<DVec2>> = layers.iter().map(|(_, p)| polygon::subdivided(&p.outline, LONGEST_M)).collect();
+    let outlines: Vec<Vec<DVec2>> =
+        layers.iter().map(|(_, p)| polygon::subdivided(&p.outline, LONGEST * post_m)).collect();
     let patches = layers
         .into_iter()
         .zip(arranged(&outlines))
@@ -72,7 +76,7 @@ pub(super) fn ground(
         kerb_m: KERB_M,
         half_m: HALF_M,
         fine_radius_m,
-        fine_m: FINE_M,
+        fine_m: post_m,
         coarse_m: 50.0,
     };
     ground::triangulate(&plan, height_m)

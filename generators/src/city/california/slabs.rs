@@ -14,18 +14,18 @@ use glam::DVec2;
 use satseed_scene::{Rng, SeedPath};
 
 /// A slab at work: u along the street, v from it into the land.
-struct Site<'a> {
-    slab: &'a Slab<'a>,
-    params: &'a Params,
-    height_m: &'a dyn Fn(DVec2) -> f64,
-    out: Content,
+pub(super) struct Site<'a> {
+    pub(super) slab: &'a Slab<'a>,
+    pub(super) params: &'a Params,
+    pub(super) height_m: &'a dyn Fn(DVec2) -> f64,
+    pub(super) out: Content,
     /// World outlines of what trees and cars must keep off.
-    taken: Vec<Vec<DVec2>>,
+    pub(super) taken: Vec<Vec<DVec2>>,
 }
 
 /// Decides a slab.
 pub(super) fn plan(params: &Params, slab: &Slab<'_>, height_m: &dyn Fn(DVec2) -> f64) -> Content {
-    let mut site = Site { slab, params, height_m, out: Content::default(), taken: Vec::new() };
+    let mut site = Site::new(slab, params, height_m);
     match slab.usage {
         SlabUse::Commercial => site.mall(),
         SlabUse::School => site.school(),
@@ -35,22 +35,25 @@ pub(super) fn plan(params: &Params, slab: &Slab<'_>, height_m: &dyn Fn(DVec2) ->
     site.out
 }
 
-impl Site<'_> {
-    fn size(&self) -> DVec2 {
+impl<'a> Site<'a> {
+    pub(super) fn new(slab: &'a Slab<'a>, params: &'a Params, height_m: &'a dyn Fn(DVec2) -> f64) -> Self {
+        Self { slab, params, height_m, out: Content::default(), taken: Vec::new() }
+    }
+    pub(super) fn size(&self) -> DVec2 {
         self.slab.sheet.size
     }
 
-    fn at(&self, u: f64, v: f64) -> DVec2 {
+    pub(super) fn at(&self, u: f64, v: f64) -> DVec2 {
         let y = if self.slab.street_far { self.size().y - v } else { v };
         self.slab.sheet.world(DVec2::new(u, y))
     }
 
     /// Direction of u at a place, world.
-    fn along(&self, u: f64, v: f64) -> DVec2 {
+    pub(super) fn along(&self, u: f64, v: f64) -> DVec2 {
         (self.at(u + 0.5, v) - self.at(u - 0.5, v)).normalize()
     }
 
-    fn outline(&self, local: &[DVec2]) -> Vec<DVec2> {
+    pub(super) fn outline(&self, local: &[DVec2]) -> Vec<DVec2> {
         let mut out: Vec<DVec2> = polygon::subdivided(local, 12.0).iter().map(|p| self.at(p.x, p.y)).collect();
         if polygon::area(&out) < 0.0 {
             out.reverse();
@@ -59,7 +62,7 @@ impl Site<'_> {
     }
 
     /// Lays a polygon whose texture coordinates begin at its first corner.
-    fn lay(&mut self, layer: Layer, local: &[DVec2], slot: u16) {
+    pub(super) fn lay(&mut self, layer: Layer, local: &[DVec2], slot: u16) {
         let outline = self.outline(local);
         let patch = Patch {
             outline,
@@ -71,12 +74,12 @@ impl Site<'_> {
         self.out.patches.push((layer, patch));
     }
 
-    fn rect(u0: f64, u1: f64, v0: f64, v1: f64) -> Vec<DVec2> {
+    pub(super) fn rect(u0: f64, u1: f64, v0: f64, v1: f64) -> Vec<DVec2> {
         polygon::rectangle(DVec2::new(u0, v0), DVec2::new(u1, v1))
     }
 
     /// A flat-roofed building over a rectangle.
-    fn flat(&mut self, name: &str, kind: Kind, [u0, u1, v0, v1]: [f64; 4], roof_m: f64, key: &SeedPath) {
+    pub(super) fn flat(&mut self, name: &str, kind: Kind, [u0, u1, v0, v1]: [f64; 4], roof_m: f64, key: &SeedPath) {
         let mut rng = key.rng();
         let middle = (f64::midpoint(u0, u1), f64::midpoint(v0, v1));
         let axis = self.along(middle.0, middle.1);
@@ -111,7 +114,7 @@ impl Site<'_> {
         self.out.buildings.push((name, Building { kind, plan, extras: Vec::new(), ridge_m }));
     }
 
-    fn tree(&mut self, u: f64, v: f64, plant: Plant, size: f64) {
+    pub(super) fn tree(&mut self, u: f64, v: f64, plant: Plant, size: f64) {
         let at = self.at(u, v);
         if self.taken.iter().all(|o| !polygon::contains(o, at)) {
             self.out.plants.push(Planted { at, plant, size });
@@ -119,7 +122,7 @@ impl Site<'_> {
     }
 
     /// Stalls in double rows between two heights, cars in them, islands at their ends.
-    fn parking(&mut self, [u0, u1, v0, v1]: [f64; 4], occupancy: f64, key: &SeedPath) {
+    pub(super) fn parking(&mut self, [u0, u1, v0, v1]: [f64; 4], occupancy: f64, key: &SeedPath) {
         let mut rng = key.rng();
         let outline = self.outline(&Self::rect(u0, u1, v0, v1));
         // v = 0 of the texture is the middle of a double row.
@@ -234,7 +237,7 @@ impl Site<'_> {
         self.lay(Layer::Drive, &inner, slot::TURF);
     }
 
-    fn woods(&mut self, count: u32, rng: &mut Rng, [u0, u1, v0, v1]: [f64; 4]) {
+    pub(super) fn woods(&mut self, count: u32, rng: &mut Rng, [u0, u1, v0, v1]: [f64; 4]) {
         for _ in 0..libm::floor(f64::from(count) * self.params.trees) as u32 {
             let (u, v) = (rng.range(u0, u1), rng.range(v0, v1));
             let plant = match rng.weighted(&[0.78, 0.12, 0.1]) {

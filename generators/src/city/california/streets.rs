@@ -13,13 +13,13 @@ use glam::DVec2;
 use satseed_scene::{Rng, SeedPath};
 
 /// Width of the concrete gutter, m.
-const GUTTER_M: f64 = 0.5;
+pub(super) const GUTTER_M: f64 = 0.5;
 
 /// Radius of a corner's kerb, m.
 const CORNER_M: f64 = 7.0;
 
 /// A patch whose texture coordinates are the world's.
-fn plain(layer: Layer, outline: Vec<DVec2>, slot: u16, lowered: bool) -> (Layer, Patch) {
+pub(super) fn plain(layer: Layer, outline: Vec<DVec2>, slot: u16, lowered: bool) -> (Layer, Patch) {
     (layer, Patch { outline, slot, origin_m: DVec2::ZERO, axis: DVec2::X, lowered })
 }
 
@@ -39,7 +39,7 @@ fn fillet(f: &Fillet, radius_m: f64, out: f64) -> Vec<DVec2> {
     points
 }
 
-fn disc(centre: DVec2, radius_m: f64) -> Vec<DVec2> {
+pub(super) fn disc(centre: DVec2, radius_m: f64) -> Vec<DVec2> {
     (0..28)
         .map(|k| {
             let (s, c) = libm::sincos(core::f64::consts::TAU * f64::from(k) / 28.0);
@@ -147,7 +147,7 @@ fn lanes(line: Line) -> &'static [(f64, f64)] {
     match line {
         Line::Arterial => &[(-10.3, 1.0), (-6.9, 1.0), (-3.5, 1.0), (3.5, -1.0), (6.9, -1.0), (10.3, -1.0)],
         Line::Collector => &[(-3.4, 1.0), (3.4, -1.0)],
-        Line::Freeway => &[],
+        Line::Freeway | Line::End => &[],
     }
 }
 
@@ -176,7 +176,7 @@ pub(super) fn piece(piece: &Piece, land: &Land, params: &Params, city: &SeedPath
     }
     // The crossing at the begin: a plain square and its rounded corners, given by one of the two lines.
     let below = piece.meets.map(|m| m == Line::Freeway);
-    if piece.index[0] == 0 && !below[0] {
+    if piece.index[0] == 0 && !below[0] && piece.meets[0] != Line::End {
         let other = clear[0];
         let square = [
             from + DVec2::new(-half, -other),
@@ -244,7 +244,7 @@ fn markings(
         return;
     }
     for (start, way, begin) in [(clear[0], 1.0, true), (length - clear[1], -1.0, false)] {
-        if piece.meets[usize::from(!begin)] == Line::Freeway {
+        if matches!(piece.meets[usize::from(!begin)], Line::Freeway | Line::End) {
             continue;
         }
         let mut mark = |a: f64, b: f64, l0: f64, l1: f64, slot: u16| {

@@ -2,6 +2,7 @@
 //! roofs: red tile 0.18 to 0.33, dark shingle 0.08 to 0.19, light shingle 0.20).
 
 mod ground;
+mod marina;
 mod urban;
 
 use super::lot::Kind;
@@ -49,6 +50,7 @@ pub(super) struct Materials {
     steel: u32,
     freeway: Vec<u32>,
     urban: urban::Book,
+    marina: marina::Book,
 }
 
 impl Materials {
@@ -286,7 +288,8 @@ impl Materials {
         let house = matches!(kind, Kind::House | Kind::Shed);
         let shares: Vec<f64> = self.roofs.iter().map(|r| r.0).collect();
         let roof = if house { self.roofs[rng.weighted(&shares)].1 } else { of(&self.flat_roofs, &mut rng) };
-        let wall = if house { of(&self.stucco, &mut rng) } else { of(&self.shop_walls, &mut rng) };
+        let wall =
+            if house || kind == Kind::Apartments { of(&self.stucco, &mut rng) } else { of(&self.shop_walls, &mut rng) };
         let mut set = vec![0; slot::COUNT];
         set[slot::WALL as usize] = wall;
         set[slot::GLASS as usize] = self.windows;
