@@ -47,8 +47,8 @@ fn main() -> anyhow::Result<()> {
                     p.variant = [Beach, Cliff][seed as usize % 2];
                 }
                 Region::California(p) => {
-                    use california::Variant::{Interchange, Suburb};
-                    p.variant = [Suburb, Interchange][seed as usize % 2];
+                    use california::Variant::{Downtown, Hill, Interchange, Lowrise, Suburb, Waterfront};
+                    p.variant = [Suburb, Downtown, Interchange, Hill, Waterfront, Lowrise][seed as usize % 6];
                 }
                 Region::Venice(p) => {
                     use venice::Variant::{Canal, Dense};
