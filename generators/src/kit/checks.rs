@@ -72,6 +72,39 @@ pub(crate) fn assert_between(scene: &Scene, [low, high]: [f64; 2], of: &str) {
     }
 }
 
+/// What stands (all but the terrain) within `radius_m` of the middle of a crop is what stands there in the whole: the same
+/// names, places, shapes and materials; more than `least` things.
+pub(crate) fn assert_same_things(crop: &Scene, whole: &Scene, radius_m: f64, least: usize) {
+    let things = |scene: &Scene| -> BTreeMap<String, String> {
+        let within = |i: &&Instance| i.object != 0 && i.world_from_object.translation.truncate().length() < radius_m;
+        let thing = |i: &Instance| {
+            let mesh = &scene.meshes[i.mesh as usize];
+            let set = &scene.material_sets[i.material_set as usize];
+            let materials: Vec<&str> = set.iter().map(|m| scene.materials[*m as usize].name.as_str()).collect();
+            let shape: f64 = mesh.positions_m.iter().flatten().map(|x| f64::from(*x)).sum();
+            let text =
+                format!("{:?} {:?} {materials:?} {} {shape}", i.world_from_object, i.variation, mesh.triangles.len());
+            (scene.objects[i.object as usize].path.clone(), text)
+        };
+        scene.instances.iter().filter(within).map(thing).collect()
+    };
+    let (crop, whole) = (things(crop), things(whole));
+    assert!(crop.len() > least, "{}", crop.len());
+    for (name, what) in &whole {
+        assert_eq!(crop.get(name), Some(what), "{name}");
+    }
+    assert_eq!(crop.len(), whole.len());
+}
+
+/// A scene is legal, lies between its region's bounds of height, and is held in less memory than its bound says.
+pub(crate) fn assert_within_bounds(scene: &Scene, height_bounds_m: [f64; 2], memory_bound_bytes: u64, of: &str) {
+    scene.validate().unwrap();
+    assert_between(scene, height_bounds_m, of);
+    let (held, _) = scene.triangle_counts();
+    let bytes = held * 200 + scene.instances.len() * 400;
+    assert!((bytes as u64) < memory_bound_bytes, "{of}: {bytes}");
+}
+
 /// All that is not terrain reaches more than `by_m` below the ground.
 pub(crate) fn assert_rooted(scene: &Scene, by_m: f64, height_m: impl Fn(glam::DVec2) -> f64) {
     for i in scene.instances.iter().filter(|i| i.object != 0) {

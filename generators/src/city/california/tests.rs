@@ -177,11 +177,7 @@ fn a_scene_is_legal_within_its_bounds_and_its_memory() {
     for seed in 0..3 {
         let params = params(90.0);
         let scene = build(&params, SeedPath::root("california", seed));
-        scene.validate().unwrap();
-        checks::assert_between(&scene, params.height_bounds_m(), "suburb");
-        let (held, _) = scene.triangle_counts();
-        let bytes = held * 200 + scene.instances.len() * 400;
-        assert!((bytes as u64) < params.memory_bound_bytes(), "{bytes}");
+        checks::assert_within_bounds(&scene, params.height_bounds_m(), params.memory_bound_bytes(), "suburb");
     }
 }
 

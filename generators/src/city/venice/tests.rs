@@ -2,13 +2,12 @@ use super::assemble::{self, CityPlan};
 use super::fabric::Open;
 use super::houses::{EAVES_M, House};
 use super::*;
-use crate::kit::checks::{assert_between, assert_rises, assert_whole, vertices};
+use crate::kit::checks::{assert_rises, assert_same_things, assert_whole, assert_within_bounds, vertices};
 use crate::kit::mesh_builder::open_edges;
 use crate::kit::polygon;
 use fabric::Use;
 use glam::DVec2;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Half side of a frame of 2048 pixels at 0.3 m.
 const FRAME_HALF_M: f64 = 307.0;
@@ -235,10 +234,8 @@ fn seeds_build(seeds: impl IntoParallelIterator<Item = u64>) {
     seeds.into_par_iter().for_each(|seed| {
         let params = any(seed);
         let scene = build(&params, SeedPath::root("venice", seed));
-        scene.validate().unwrap();
-        assert_between(&scene, params.height_bounds_m(), &format!("{seed}, {params:?}"));
-        let (held, _) = scene.triangle_counts();
-        assert!(((held * 200 + scene.instances.len() * 400) as u64) < params.memory_bound_bytes());
+        let of = format!("{seed}, {params:?}");
+        assert_within_bounds(&scene, params.height_bounds_m(), params.memory_bound_bytes(), &of);
         let plan = planned(seed, &params);
         for i in scene.instances.iter().filter(|i| i.object != 0) {
             let below = vertices(&scene, i).map(|p| p.z - ground_m(&plan, p.truncate())).fold(f64::MAX, f64::min);
@@ -273,31 +270,6 @@ fn a_crop_is_a_part_of_the_whole() {
     for variant in [Variant::Dense, Variant::Canal] {
         let [crop, whole] = [60.0, 140.0].map(|radius_m| build(&sized(radius_m, variant), SeedPath::root("venice", 9)));
         assert_eq!(crop.pivot_height_m.to_bits(), whole.pivot_height_m.to_bits());
-        let things = |scene: &Scene| -> BTreeMap<String, String> {
-            let within = |i: &&satseed_scene::Instance| {
-                i.object != 0 && i.world_from_object.translation.truncate().length() < 60.0 + DETAIL_MARGIN_M
-            };
-            scene
-                .instances
-                .iter()
-                .filter(within)
-                .map(|i| {
-                    let mesh = &scene.meshes[i.mesh as usize];
-                    let materials: Vec<&str> = scene.material_sets[i.material_set as usize]
-                        .iter()
-                        .map(|m| scene.materials[*m as usize].name.as_str())
-                        .collect();
-                    let text = format!("{:?} {:?} {materials:?}", i.world_from_object, i.variation);
-                    let shape: f64 = mesh.positions_m.iter().flatten().map(|x| f64::from(*x)).sum();
-                    (scene.objects[i.object as usize].path.clone(), format!("{text} {} {shape}", mesh.triangles.len()))
-                })
-                .collect()
-        };
-        let (crop, whole) = (things(&crop), things(&whole));
-        assert!(crop.len() > 60, "{}", crop.len());
-        for (name, what) in &whole {
-            assert_eq!(crop.get(name), Some(what), "{name}");
-        }
-        assert_eq!(crop.len(), whole.len());
+        assert_same_things(&crop, &whole, 60.0 + DETAIL_MARGIN_M, 60);
     }
 }

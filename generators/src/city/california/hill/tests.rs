@@ -182,10 +182,6 @@ fn any_seed_builds_within_its_bounds() {
     for seed in 20..24 {
         let params = params(60.0);
         let scene = build(&params, SeedPath::root("california", seed));
-        scene.validate().unwrap();
-        checks::assert_between(&scene, params.height_bounds_m(), "hill");
-        let (held, _) = scene.triangle_counts();
-        let bytes = held * 200 + scene.instances.len() * 400;
-        assert!((bytes as u64) < params.memory_bound_bytes(), "{bytes}");
+        checks::assert_within_bounds(&scene, params.height_bounds_m(), params.memory_bound_bytes(), "hill");
     }
 }

@@ -7,8 +7,8 @@ use crate::kit::buildings::Detail;
 use crate::kit::mesh_builder::open_edges;
 use crate::kit::{checks, polygon};
 use glam::DVec2;
-use satseed_scene::{Class, Scene, SeedPath};
-use std::collections::{BTreeMap, BTreeSet};
+use satseed_scene::{Class, SeedPath};
+use std::collections::BTreeSet;
 
 const BOTH: [Variant; 2] = [Variant::Downtown, Variant::Lowrise];
 
@@ -256,11 +256,7 @@ fn any_seed_builds_within_its_bounds() {
     for (variant, seed) in BOTH.into_iter().flat_map(|v| [11, 1012, u64::MAX].map(|s| (v, s))) {
         let params = sized(variant, 60.0);
         let scene = build(&params, SeedPath::root("california", seed));
-        scene.validate().unwrap();
-        checks::assert_between(&scene, params.height_bounds_m(), params.variant());
-        let (held, _) = scene.triangle_counts();
-        let bytes = held * 200 + scene.instances.len() * 400;
-        assert!((bytes as u64) < params.memory_bound_bytes(), "{bytes}");
+        checks::assert_within_bounds(&scene, params.height_bounds_m(), params.memory_bound_bytes(), params.variant());
         let raised = scene.objects.iter().any(|o| o.class == Class::Vehicle && o.path.contains("/raised/"));
         assert!(variant == Variant::Downtown || !raised);
     }
@@ -295,32 +291,7 @@ fn a_crop_is_a_part_of_the_whole() {
         let [crop, whole] =
             [60.0, 170.0].map(|radius_m| build(&sized(variant, radius_m), SeedPath::root("california", 9)));
         assert_eq!(crop.pivot_height_m.to_bits(), whole.pivot_height_m.to_bits());
-        let things = |scene: &Scene| -> BTreeMap<String, String> {
-            let within = |i: &&satseed_scene::Instance| {
-                i.object != 0 && i.world_from_object.translation.truncate().length() < 60.0 + DETAIL_MARGIN_M
-            };
-            scene
-                .instances
-                .iter()
-                .filter(within)
-                .map(|i| {
-                    let mesh = &scene.meshes[i.mesh as usize];
-                    let materials: Vec<&str> = scene.material_sets[i.material_set as usize]
-                        .iter()
-                        .map(|m| scene.materials[*m as usize].name.as_str())
-                        .collect();
-                    let text = format!("{:?} {:?} {materials:?}", i.world_from_object, i.variation);
-                    let shape: f64 = mesh.positions_m.iter().flatten().map(|x| f64::from(*x)).sum();
-                    (scene.objects[i.object as usize].path.clone(), format!("{text} {} {shape}", mesh.triangles.len()))
-                })
-                .collect()
-        };
-        let (crop, whole) = (things(&crop), things(&whole));
-        assert!(crop.len() > 60, "{}", crop.len());
-        for (name, what) in &whole {
-            assert_eq!(crop.get(name), Some(what), "{name}");
-        }
-        assert_eq!(crop.len(), whole.len());
+        checks::assert_same_things(&crop, &whole, 60.0 + DETAIL_MARGIN_M, 60);
     }
 }
 
