@@ -218,7 +218,7 @@ fn a_penumbra_is_as_wide_as_the_suns_disc() {
 #[test]
 fn cells_that_share_are_the_mean_of_their_rays() {
     const PER_CELL: usize = 4;
-    let mut positions = Vec::new();
+    let mut positions: Vec<[f32; 3]> = Vec::new();
     let (mut triangles, mut slots) = (Vec::new(), Vec::new());
     for (k, (x0, x1)) in [(-50.0_f32, 0.0), (0.0, 50.0)].into_iter().enumerate() {
         let first = positions.len() as u32;
@@ -237,7 +237,9 @@ fn cells_that_share_are_the_mean_of_their_rays() {
         .with(Layer::Brightness { amount: Field::Noise(Fractal::new(Space::World, 5, 0.9, 1)) });
     let plain = Material::diffuse("plain", Class::Ground, Bands::grey(0.2));
     // Off the planes between the light lattice's slabs.
-    positions.iter_mut().for_each(|p: &mut [f32; 3]| p[2] += 0.4);
+    for p in &mut positions {
+        p[2] += 0.4;
+    }
     let mesh = Mesh { positions_m: positions, triangles, slots, ..Mesh::default() };
     let scene = of(mesh, vec![rough, plain]);
     let tracer = Tracer::new(&scene);
