@@ -129,6 +129,10 @@ fn street(ridge: &Ridge, land: &Land, reach: f64, detail: f64, params: &Params, 
         }
     };
     if wild {
+        // A fire road keeps to its ridge: on a spur it would lead nowhere.
+        if ridge.index[2] != 0 {
+            return None;
+        }
         lay(&mut out, (Layer::Drive, TRACK_M, slot::TRACK, false), 4);
     } else {
         for (band, first) in bands.into_iter().zip([4, 1, 2]) {
