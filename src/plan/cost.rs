@@ -22,15 +22,24 @@ pub struct Measured {
 
 /// How [`TABLE`] was measured: said wherever its numbers are printed.
 pub const HOW_MEASURED: &str =
-    "Intel Xeon of 2 cores busy with other work, 22 November 2026, release build, processor time";
+    "Intel Xeon of 2 cores busy with other work, 23 November 2026, release build, processor time";
 
 /// Measured as [`HOW_MEASURED`] says; docs/cluster.md tells the command.
 pub const TABLE: &[Measured] = &[
-    Measured { region: "canyon", radius_m: 700.0, scene_s: 72.9, labels_s_per_mpx: 1.58, render_s_per_msample: 4.20 },
-    Measured { region: "desert", radius_m: 700.0, scene_s: 51.8, labels_s_per_mpx: 0.98, render_s_per_msample: 2.01 },
-    Measured { region: "field", radius_m: 700.0, scene_s: 53.3, labels_s_per_mpx: 1.32, render_s_per_msample: 2.55 },
-    Measured { region: "forest", radius_m: 700.0, scene_s: 181.1, labels_s_per_mpx: 8.42, render_s_per_msample: 14.73 },
-    Measured { region: "toronto", radius_m: 700.0, scene_s: 60.0, labels_s_per_mpx: 1.00, render_s_per_msample: 3.23 },
+    Measured {
+        region: "california",
+        radius_m: 700.0,
+        scene_s: 27.4,
+        labels_s_per_mpx: 0.93,
+        render_s_per_msample: 1.20,
+    },
+    Measured { region: "canyon", radius_m: 700.0, scene_s: 35.9, labels_s_per_mpx: 0.90, render_s_per_msample: 1.25 },
+    Measured { region: "coast", radius_m: 700.0, scene_s: 37.9, labels_s_per_mpx: 0.78, render_s_per_msample: 0.70 },
+    Measured { region: "desert", radius_m: 700.0, scene_s: 28.2, labels_s_per_mpx: 0.51, render_s_per_msample: 0.44 },
+    Measured { region: "field", radius_m: 700.0, scene_s: 29.5, labels_s_per_mpx: 0.72, render_s_per_msample: 0.79 },
+    Measured { region: "forest", radius_m: 700.0, scene_s: 83.6, labels_s_per_mpx: 4.71, render_s_per_msample: 5.33 },
+    Measured { region: "toronto", radius_m: 700.0, scene_s: 19.1, labels_s_per_mpx: 0.67, render_s_per_msample: 1.16 },
+    Measured { region: "venice", radius_m: 700.0, scene_s: 11.3, labels_s_per_mpx: 0.80, render_s_per_msample: 1.09 },
 ];
 
 /// The same units of work for everything: a processor millisecond.
