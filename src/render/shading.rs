@@ -73,6 +73,38 @@ impl Patch {
     }
 }
 
+/// The patch of a ray that meets nothing.
+const NO_PATCH: u32 = u32::MAX;
+
+/// The patches that rays meet, cell by cell, and for each ray the number of its own.
+fn patches(
+    tracer: &Tracer,
+    rays: &[Ray],
+    hits: &[Option<Hit>],
+    spread: f64,
+    per_cell: usize,
+) -> (Vec<Patch>, Vec<u32>) {
+    let mut patches: Vec<Patch> = Vec::with_capacity(rays.len());
+    let mut patch_of = vec![NO_PATCH; rays.len()];
+    for cell in 0..rays.len() / per_cell {
+        let first_patch = patches.len();
+        for ray in cell * per_cell..(cell + 1) * per_cell {
+            let Some(hit) = &hits[ray] else { continue };
+            let point = place(tracer, &rays[ray], hit, hit.t * spread);
+            let known = patches[first_patch..].iter().position(|patch| patch.is_met(tracer, hit, &point));
+            let patch = known.map_or(patches.len(), |k| first_patch + k);
+            patch_of[ray] = patch as u32;
+            if let Some(patch) = patches.get_mut(patch) {
+                patch.join(&point);
+            } else {
+                patches.push(Patch { ray, cell, count: 1, hit: *hit, point });
+            }
+        }
+        patches[first_patch..].iter_mut().for_each(Patch::close);
+    }
+    (patches, patch_of)
+}
+
 /// Mean radiance at the ground over cells, W / (m^2 sr um), each of `per_cell` camera rays one after the other. `spread` is a
 /// cell's side per metre of distance. Neighbouring rays cost least.
 ///
@@ -86,32 +118,13 @@ pub(super) fn radiance(
     samples: &[Sample],
     per_cell: usize,
 ) -> Vec<Bands> {
-    /// No patch: a ray that meets nothing.
-    const NONE: u32 = u32::MAX;
     let share = 1.0 / per_cell as f32;
-    let mut sums = vec![Bands::ZERO; rays.len() / per_cell];
     let hits = tracer.closest_all(rays);
-    let mut patches: Vec<Patch> = Vec::with_capacity(rays.len());
-    let mut patch_of = vec![NONE; rays.len()];
-    for (cell, sum) in sums.iter_mut().enumerate() {
-        let first_patch = patches.len();
-        for ray in cell * per_cell..(cell + 1) * per_cell {
-            let Some(hit) = &hits[ray] else {
-                *sum += light.sky_radiance(rays[ray].direction) * share;
-                continue;
-            };
-            let point = place(tracer, &rays[ray], hit, hit.t * spread);
-            let known = patches[first_patch..].iter().position(|patch| patch.is_met(tracer, hit, &point));
-            let patch = first_patch + known.unwrap_or(patches.len() - first_patch);
-            patch_of[ray] = patch as u32;
-            if let Some(patch) = patches.get_mut(patch) {
-                patch.join(&point);
-            } else {
-                patches.push(Patch { ray, cell, count: 1, hit: *hit, point });
-            }
-        }
-        patches[first_patch..].iter_mut().for_each(Patch::close);
+    let mut sums = vec![Bands::ZERO; rays.len() / per_cell];
+    for (ray, _) in hits.iter().enumerate().filter(|(_, hit)| hit.is_none()) {
+        sums[ray / per_cell] += light.sky_radiance(rays[ray].direction) * share;
     }
+    let (patches, patch_of) = patches(tracer, rays, &hits, spread, per_cell);
     let shades: Vec<Shade> = patches.iter().map(|patch| dress(tracer, &patch.hit, &patch.point)).collect();
     // The sun's rays go side by side too.
     let lit: Vec<Bands> = patches
@@ -125,16 +138,16 @@ pub(super) fn radiance(
     let mut scattered = Vec::with_capacity(rays.len());
     let mut sunward = Vec::with_capacity(rays.len());
     for (ray, patch) in patch_of.iter().enumerate() {
-        if *patch != NONE && lit[*patch as usize].max_band() > 0.0 {
+        if *patch != NO_PATCH && lit[*patch as usize].max_band() > 0.0 {
             let hit = hits[ray].as_ref().expect("a ray of a patch has a hit");
-            scattered.push((ray / per_cell, *patch));
+            scattered.push(*patch as usize);
             sunward.push((Origin::on(hit), to_sun(light, samples[ray].square(purpose::SUN))));
         }
     }
     let mut sums_of_patches = vec![Bands::ZERO; patches.len()];
-    for ((_, patch), blocked) in scattered.into_iter().zip(tracer.blocked_all(&sunward)) {
+    for (patch, blocked) in scattered.into_iter().zip(tracer.blocked_all(&sunward)) {
         if !blocked {
-            sums_of_patches[patch as usize] += lit[patch as usize];
+            sums_of_patches[patch] += lit[patch];
         }
     }
     // The mirrored direction where a surface has a coat; the dome from what the scene's views share, or one direction of it.
