@@ -154,8 +154,8 @@ def written():
         lines = subprocess.run(once, capture_output=True, text=True, check=True).stderr.splitlines()
         check(not any("numpy" in line for line in lines), "importing satseed imports NumPy")
         times_us.append(int(next(line for line in lines if line.split("|")[-1].strip() == "satseed").split("|")[1]))
-    # A busy machine must not fail it: what holds at rest is told.
-    check(min(times_us) < 10_000, f"importing takes {min(times_us)} us")
+    # The least of several: a busy machine must not fail it.
+    check(min(times_us) < 5_000, f"importing takes {min(times_us)} us")
     print(f"package.py: importing satseed takes {sorted(times_us)[3] / 1000:.1f} ms (median of 7, {min(times_us) / 1000:.1f} at least)")
     for address, array in satseed._native._hand_over(2048, 2048):
         check(array.shape[:2] == (2048, 2048) and array.ctypes.data == address, "an array was copied on its way")

@@ -4,7 +4,7 @@
 //! so the instruction set changes the time an answer takes and nothing else. No fused multiply-add, no approximate
 //! reciprocals.
 //!
-//! This is the only module of the project with `unsafe` code: vector instructions, and the calls into code that was
+//! With `scene/src/wide.rs`, the only module of the project with `unsafe` code: vector instructions, and the calls into code that was
 //! compiled for them.
 #![allow(unsafe_code)]
 

@@ -1,7 +1,7 @@
 //! Lots along the streets of hills, each with its level pad.
 
 use super::super::layout::{Lot, Rear};
-use super::skeleton::{Crest, Ridge};
+use super::skeleton::{BUILT_M, Crest, Ridge};
 use crate::city::california::land::Land;
 use crate::kit::polygon;
 use glam::{DVec2, DVec3};
@@ -82,13 +82,13 @@ pub(super) fn candidates(ridge: &Ridge, path: &SeedPath) -> Vec<Candidate> {
         }
     }
     // Those that no scene looks at are not made.
-    out.retain(|c| c.foot.length() < 1500.0);
+    out.retain(|c| c.foot.length() < BUILT_M);
     out
 }
 
 fn candidate(ridge: &Ridge, s: f64, side: f64, size: [f64; 2], name: String) -> Option<Candidate> {
     let (foot, along, z) = at(&ridge.points, s);
-    (foot.length() < 1600.0).then(|| made(foot, along * side, z, size, name))
+    (foot.length() < BUILT_M + 100.0).then(|| made(foot, along * side, z, size, name))
 }
 
 fn made(foot: DVec2, axis: DVec2, height_m: f64, [width_m, depth_m]: [f64; 2], name: String) -> Candidate {

@@ -20,7 +20,7 @@ const STATION_M: f64 = 192.0;
 const STEP_M: f64 = 12.0;
 /// Ridges go on as far as the ground's corners; spurs and what is built stand as far as any scene looks, m.
 const REACH_M: f64 = 3500.0;
-const BUILT_M: f64 = 1500.0;
+pub(super) const BUILT_M: f64 = 1500.0;
 /// A ridge shapes the land out to this distance, m: more than half a pitch.
 const FALLS_M: f64 = 235.0;
 /// A bank changes the land out to this distance, m.
