@@ -19,9 +19,9 @@ import sys
 import numpy as np
 import tifffile
 from PIL import Image
-from scipy.ndimage import distance_transform_edt, maximum_filter, uniform_filter
+from scipy.ndimage import maximum_filter, uniform_filter
 
-GROUND, LOW_VEGETATION, TREE, WATER, CROP, ROCK, SAND = 1, 6, 7, 8, 11, 12, 13
+TREE, WATER = 7, 8
 VALID, OCCLUDED = 1, 2
 
 
@@ -142,7 +142,7 @@ def desert(pair):
     slope = slope_deg(pair, 0.6)
     bins = np.bincount(slope.astype(int).ravel(), minlength=91)
     found = {
-        "slip faces' slope, deg": (float(20 + np.argmax(bins[20:])), 32, 34),
+        "slip faces' slope, deg": (20.5 + np.argmax(bins[20:]), 32, 34),
         "steeper than 35 deg": ((slope > 35).mean(), 0, 0.002),
         "entropy, bits": (entropy_bits(pair), 4.8, 6.3),
         "occluded": (occluded(pair), 0, 0.01),
@@ -166,14 +166,12 @@ def forest(pair):
 
 
 def field(pair):
-    kinds = pair.objects()
     z = pair.heights("ndsm")
-    step = z[(z > 0.2) & (z < 2.8)]
-    woody = np.isin(kinds, ("hedge", "tree", "copse", "orchard")) & np.isin(pair.label("class"), (LOW_VEGETATION, TREE))
+    hedges = (pair.objects() == "hedge") | (pair.label("class") == TREE)
     least = 0.03 if pair.scene["variant"] == "european" else 0.0
     return {
-        "hedges and trees": ((woody | (pair.label("class") == TREE)).mean(), least, 0.10),
-        "stands 0.2 to 2.8 m high": (step.size / z.size, 0.1, 1),
+        "hedges and trees": (hedges.mean(), least, 0.10),
+        "stands 0.2 to 2.8 m high": (((z > 0.2) & (z < 2.8)).mean(), 0.1, 1),
         "occluded": (occluded(pair), 0, 0.03),
     }
 
@@ -182,25 +180,17 @@ def coast(pair):
     classes = pair.label("class")
     image = pair.image()
     sea = classes == WATER
-    found = {"land": (1 - sea.mean(), 0.35, 0.65), "occluded": (occluded(pair), 0, 1)}
+    found = {"land": (1 - sea.mean(), 0.35, 0.65)}
     slope = np.tan(np.radians(slope_deg(pair, 1.2)))
     every = max(round(1.2 / pair.gsd_m), 1)
     z = pair.heights("dtm")[::every, ::every]
     shore = slope[(z > 0.4) & (z < 1.1) & (slope < 0.3)]
     if pair.scene["variant"] == "beach":
         found["foreshore's slope, median"] = (np.median(shore), 0.05, 0.12)
-    # Foam is grey and bright: its red is as strong as its blue, which no water's is.
-    bright = np.percentile(image[sea].min(axis=1), 50)
+    # Foam is bright in all bands, which no water is.
+    bright = np.median(image[sea].min(axis=1))
     white = sea & (image.min(axis=2) > bright + 0.5 * (255 - bright))
     found["foam, share of the sea"] = (white.sum() / sea.sum(), 0.01, 0.06)
-    off_m = distance_transform_edt(sea) * pair.gsd_m
-    calm = sea & ~uniform_filter(white.astype(np.float32), 15).astype(bool)
-    linear = (image / 255) ** 2
-    edges = [4, 12, 25, 45, 70, 100, 140, 190]
-    bands = [calm & (off_m >= a) & (off_m < b) for a, b in zip(edges, edges[1:])]
-    ratio = [np.median(linear[b, 2] / np.maximum(linear[b, 0], 1e-4)) for b in bands if b.sum() > 2000]
-    steps = np.diff(ratio)
-    found["blue / red rises off the shore, share of steps"] = ((steps > -0.02 * np.array(ratio[:-1])).mean(), 0.8, 1)
     return found
 
 
