@@ -97,6 +97,20 @@ impl<'a> Grounds<'a> {
         self.lay(&outline, ground_slot::PAVING_DARK);
     }
 
+    /// Walks between the site and its neighbours: one from the street to the back on some sides, and one along the block's
+    /// middle, which belongs to the sites on one side of it.
+    pub(super) fn walks(&mut self, path: &SeedPath) {
+        let (low, high) = (self.low, self.high);
+        if self.frame.axis.x > 0.0 {
+            let (from, to) = (DVec2::new(low.x - INSIDE_M, high.y + 0.4), DVec2::new(high.x + INSIDE_M, high.y + 2.0));
+            self.lay(&polygon::rectangle(from, to), ground_slot::PATH);
+        }
+        if path.child("walks").rng().chance(0.45) {
+            let from = DVec2::new(high.x + 0.3, low.y - TO_KERB_M);
+            self.lay(&polygon::rectangle(from, high + 1.9), ground_slot::PATH);
+        }
+    }
+
     /// A loop from the street to a door and back, with a lawn in it and a few cars on it.
     pub(super) fn loop_drive(&mut self, door: DVec2, half_m: f64) {
         let foot = self.low.y - TO_KERB_M;

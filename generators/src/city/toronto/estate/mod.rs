@@ -56,15 +56,19 @@ pub(super) fn site(
 ) {
     let [i, j] = block.index;
     let name = |what: &str| format!("block/{i}/{j}/site/{}/{what}", site.index);
-    let sequence = |of: &str| spread(city.child(of).rng().unit() + 0.618_033_988_749_895 * site.index as f64, i, j);
+    let start = |of: &str| city.child(of).rng().unit();
+    let number = site.index as f64;
     let mut rng = path.child("use").rng();
-    let usage = usage(params, site, sequence("estate"), &mut rng);
+    let usage = usage(params, site, spread(start("estate") + 0.618_033_988_749_895 * number, i, j), &mut rng);
     let mut grounds = Grounds::new(site, out);
     match usage {
         Use::Flats => {
             let count = f64::from(STOREYS[1] - STOREYS[0] + 1);
-            let storeys = STOREYS[0] + (sequence("storeys") * count) as u32;
+            // Another sequence than that of uses: the same one shifted would leave out some heights.
+            let share = spread(start("storeys") + 0.414_213_562_373_095 * number, j, i);
+            let storeys = STOREYS[0] + (share * count) as u32;
             flats(&mut grounds, storeys, &name, relief, path);
+            grounds.walks(path);
         }
         Use::School => school(&mut grounds, &name, relief, path),
         Use::Shops => shops(&mut grounds, &name, relief, path),
@@ -92,7 +96,7 @@ fn flats(g: &mut Grounds<'_>, storeys: u32, name: &dyn Fn(&str) -> String, relie
         let sides: &[bool] = if arrangement == 2 { &[false, true] } else { &[mirrored] };
         let mut reach = [low.x + 1.0, high.x - 1.0];
         for (k, side) in sides.iter().enumerate() {
-            let length = rng.range(58.0, 86.0).min(d - 14.0);
+            let length = rng.range(0.72, 1.0) * (d - 14.0).min(86.0);
             let shape = Shape::bar(length, depth_m - k as f64 * 0.7, &mut rng);
             let out_m = 5.0 + shape.half().y;
             let at = DVec2::new(x(out_m, *side), low.y + rng.range(7.0, 9.0).max((d - length) * rng.range(0.2, 0.7)) + length / 2.0);
@@ -114,9 +118,9 @@ fn flats(g: &mut Grounds<'_>, storeys: u32, name: &dyn Fn(&str) -> String, relie
     }
     // A slab along the street, or a winged tower, behind a loop; the lot behind it.
     let shape = if arrangement == 0 {
-        Shape::bar(rng.range(60.0, 94.0).min(w - 15.0), depth_m, &mut rng)
+        Shape::bar(rng.range(0.85, 1.0) * (w - 15.0).min(94.0), depth_m, &mut rng)
     } else {
-        Shape::winged(rng.range(21.0, 27.0).min(w / 2.0 - 9.0), rng.range(14.0, 16.0), &mut rng)
+        Shape::winged(rng.range(19.0, 24.0).min(w / 2.0 - 9.0), rng.range(13.0, 15.0), &mut rng)
     };
     let half = shape.half();
     let slack = (w / 2.0 - 7.2 - half.x).max(0.0);

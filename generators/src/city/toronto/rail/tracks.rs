@@ -92,7 +92,13 @@ impl Track {
 pub(super) fn layout(key: &SeedPath) -> (Vec<Track>, Vec<f64>, f64) {
     let mut rng = key.child("tracks").rng();
     let groups = 2 + rng.weighted(&[0.3, 0.5, 0.2]);
-    let counts: Vec<u64> = (0..groups).map(|_| 2 + rng.weighted(&[0.45, 0.35, 0.2]) as u64).collect();
+    // Six to fifteen in all.
+    let (least, weights) = match groups {
+        2 => (3, [0.5, 0.5, 0.0, 0.0]),
+        3 => (2, [0.42, 0.33, 0.17, 0.08]),
+        _ => (2, [0.5, 0.5, 0.0, 0.0]),
+    };
+    let counts: Vec<u64> = (0..groups).map(|_| least + rng.weighted(&weights) as u64).collect();
     let margins = [rng.range(3.4, 4.6), rng.range(5.5, 9.0)];
     let width: f64 = counts.iter().map(|n| (*n - 1) as f64 * PITCH_M).sum::<f64>()
         + (groups - 1) as f64 * GAP_M

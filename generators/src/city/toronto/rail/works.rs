@@ -45,6 +45,9 @@ const PLATFORM_M: f64 = RAIL_M + 0.2;
 /// From a track's middle to a platform's edge, m.
 const EDGE_M: f64 = 1.7;
 
+/// Half the width of what is open for a footbridge, m.
+const FOOT_HALF_M: f64 = 2.5;
+
 /// Thickness of a road's deck, m.
 const DECK_M: f64 = 1.5;
 
@@ -102,20 +105,43 @@ fn bar(right: f64, left: f64, low: f64, high: f64) -> [DVec2; 4] {
     [(-left, low), (-right, low), (-right, high), (-left, high)].map(|(x, y)| DVec2::new(x, y))
 }
 
+/// Whether a bridge leads over a place at the corridor's edge, or ends within a distance of it.
+fn open(c: &Corridor, along: f64, left: f64, clear_m: f64) -> bool {
+    let p = c.line.at(along, left);
+    c.crossings.iter().any(|(_, s, crossing)| {
+        let half = match crossing {
+            Crossing::Road => s.section.right_of_way_m() / 2.0,
+            Crossing::Foot => FOOT_HALF_M,
+            Crossing::None => return false,
+        };
+        s.direction.perp_dot(p - s.through_m).abs() < half + clear_m
+    })
+}
+
 /// Retaining walls with their parapets, and fences on the edges.
 fn walls(piece: &Piece<'_>) -> Mesh {
     let mut b = MeshBuilder::default();
     let c = piece.corridor;
     let span = [piece.middle_m - PIECE_M / 2.0, piece.middle_m + PIECE_M / 2.0];
+    // Pieces of a length that lie outside of bridges.
+    let closed = |pitch: f64, left: f64, clear_m: f64| {
+        let pieces = (0..(PIECE_M / pitch) as u32).map(move |k| span[0] + pitch * f64::from(k));
+        pieces.filter(move |a| !open(c, *a, left, clear_m) && !open(c, a + pitch, left, clear_m)).collect::<Vec<f64>>()
+    };
     for (side, run_m) in [(-1.0, c.run_m[0]), (1.0, c.run_m[1])] {
         let edge = side * c.half_m;
         let outward = |from: f64, to: f64| if side > 0.0 { [from, to] } else { [-to, -from] };
         if run_m <= WALL_M {
-            // Wider than the strip over which the ground falls, so that this is hidden in it.
+            // Wider than the strip over which the ground falls, so that this is hidden in it; its top ends inside decks.
             let [r, l] = outward(-0.75, 0.25);
-            run(&mut b, piece, span, edge, &bar(r, l, -1.0, DEPTH_M + 0.9), &[slot::CONCRETE; 4]);
-            let [r, l] = outward(-0.85, 0.35);
-            run(&mut b, piece, span, edge, &bar(r, l, DEPTH_M + 0.85, DEPTH_M + 1.0), &[slot::CONCRETE; 4]);
+            run(&mut b, piece, span, edge, &bar(r, l, -1.0, DEPTH_M - 0.3), &[slot::CONCRETE; 4]);
+            let pitch = 1.5;
+            for from in closed(pitch, edge, -0.2) {
+                let [r, l] = outward(-0.72, 0.22);
+                run(&mut b, piece, [from, from + pitch], edge, &bar(r, l, DEPTH_M - 0.5, DEPTH_M + 0.9), &[slot::CONCRETE; 4]);
+                let [r, l] = outward(-0.85, 0.35);
+                run(&mut b, piece, [from, from + pitch], edge, &bar(r, l, DEPTH_M + 0.85, DEPTH_M + 1.0), &[slot::CONCRETE; 4]);
+            }
             // Buttresses.
             for k in 0..(PIECE_M / 7.5) as u32 {
                 let along = span[0] + 3.75 + 7.5 * f64::from(k);
@@ -126,19 +152,8 @@ fn walls(piece: &Piece<'_>) -> Mesh {
         }
         // A fence a little inside the property line, open where a street is.
         let fence = edge + side * (VERGE_M - 0.9);
-        let open = |along: f64| {
-            let p = c.line.at(along, fence);
-            c.crossings.iter().any(|(_, s, crossing)| {
-                let off = s.direction.perp_dot(p - s.through_m).abs();
-                *crossing == Crossing::Road && off < s.section.right_of_way_m() / 2.0 + 1.5
-            })
-        };
         let pitch = 3.0;
-        for k in 0..(PIECE_M / pitch) as u32 {
-            let from = span[0] + pitch * f64::from(k);
-            if open(from) || open(from + pitch) {
-                continue;
-            }
+        for from in closed(pitch, fence, 1.0) {
             let z = piece.floor_m(from, fence) + DEPTH_M;
             let at = DVec2::new(from + 0.04 - piece.middle_m, fence);
             b.block(slot::STEEL, slot::STEEL, at, DVec2::X, DVec2::splat(0.04), z - 0.6, z + 2.0);
@@ -196,7 +211,7 @@ fn platforms(piece: &Piece<'_>) -> Mesh {
                 let ground = piece.floor_m(along, *gap);
                 let y = gap + w * 0.45 * if k.rem_euclid(2.0) < 0.5 { 1.0 } else { -1.0 };
                 let at = DVec2::new(along - piece.middle_m, y);
-                b.block(slot::STEEL, slot::DARK, at, DVec2::X, DVec2::new(0.8, 0.45), ground + eaves + 0.1, ground + eaves + 0.75);
+                b.block(slot::STEEL, slot::DARK, at, DVec2::X, DVec2::new(0.8, 0.45), ground + eaves - 0.2, ground + eaves + 0.5);
                 k += 1.0;
             }
         }
