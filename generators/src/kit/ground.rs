@@ -112,8 +112,7 @@ const LONGEST: f64 = 0.9;
 
 /// Patches whose outlines cross as they like, made to meet in corners only; for a ground whose `fine_m` is `post_m`.
 pub fn arranged(patches: Vec<Patch>, post_m: f64) -> Vec<Patch> {
-    let outlines: Vec<Vec<DVec2>> =
-        patches.iter().map(|p| polygon::subdivided(&p.outline, LONGEST * post_m)).collect();
+    let outlines: Vec<Vec<DVec2>> = patches.iter().map(|p| polygon::subdivided(&p.outline, LONGEST * post_m)).collect();
     patches
         .into_iter()
         .zip(arrange::arranged(&outlines))

@@ -341,7 +341,7 @@ fn railway(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan, corridor: &Co
         let key = a.city.child(&part.name);
         let bridge = part.class == Class::Bridge;
         // What is cut into pieces is of one kind all along.
-        let of = if bridge { key.clone() } else { a.city.child("rail") };
+        let of = if bridge { key } else { a.city.child("rail") };
         let set = if part.track {
             a.materials.track_set()
         } else {
@@ -358,6 +358,6 @@ fn railway(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan, corridor: &Co
         let set = a.materials.car_set(car.body, car.livery, &mut key.child("materials").rng());
         let index = rail::Body::ALL.iter().position(|b| *b == car.body).unwrap_or(0);
         let object = a.object(car.name, Class::Vehicle);
-        a.instance(meshes[index], car.world_from_car, object, set, &key);
+        a.instance(meshes[index], car.world_from_object, object, set, &key);
     }
 }

@@ -122,8 +122,7 @@ pub(super) fn plan(params: &Params, block: &Block, relief: &Relief<'_>, city: &S
     let patch = |outline: Vec<DVec2>, slot: u16| Patch { origin_m: outline[0], outline, slot, axis, lowered: false };
     let open = matches!(character, Character::Park | Character::Estate);
     if let Some(ground) = polygon::inset(&block.property, 0.08) {
-        out.patches
-            .push(patch(ground, if open { ground_slot::LAWN } else { ground_slot::PAVING }));
+        out.patches.push(patch(ground, if open { ground_slot::LAWN } else { ground_slot::PAVING }));
     }
     if character == Character::Park {
         open::park(block, &path, &mut out);

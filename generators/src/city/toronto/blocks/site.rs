@@ -109,7 +109,13 @@ pub(super) fn one_site(
 }
 
 /// Fills a site with a row of houses, called `name` and a number, and their yards.
-pub(in crate::city::toronto) fn rows(site: &Site, name: &str, relief: &Relief<'_>, path: &SeedPath, out: &mut BlockPlan) {
+pub(in crate::city::toronto) fn rows(
+    site: &Site,
+    name: &str,
+    relief: &Relief<'_>,
+    path: &SeedPath,
+    out: &mut BlockPlan,
+) {
     ground(site, ground_slot::YARD, out);
     let axis = site.axis();
     let row = houses::row(site, relief, path);

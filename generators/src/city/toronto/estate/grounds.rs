@@ -162,7 +162,9 @@ impl<'a> Grounds<'a> {
                 let inside = |p: &DVec2| p.x.abs() < long / 2.0 - 1.0 && p.y.abs() < short / 2.0 - 1.0;
                 if outline.iter().all(inside) && rng.chance(0.7) {
                     let world: Vec<DVec2> = outline.iter().map(|p| frame.world(*p)).collect();
-                    self.out.stalls.retain(|s| polygon::border_distance(&world, s.centre) > 1.6 && !polygon::contains(&world, s.centre));
+                    self.out.stalls.retain(|s| {
+                        polygon::border_distance(&world, s.centre) > 1.6 && !polygon::contains(&world, s.centre)
+                    });
                     self.out.patches.push(Patch {
                         outline: world,
                         slot: ground_slot::YARD,

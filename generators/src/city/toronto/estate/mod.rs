@@ -88,7 +88,7 @@ fn flats(g: &mut Grounds<'_>, storeys: u32, name: &dyn Fn(&str) -> String, relie
     let (w, d) = (high.x - low.x, high.y - low.y);
     let depth_m = rng.range(15.5, 18.5);
     let arrangement = rng.weighted(&[0.44, 0.3, if w > 92.0 { 0.2 } else { 0.0 }, 0.18]);
-    let middle = (low.x + high.x) / 2.0;
+    let middle = f64::midpoint(low.x, high.x);
     if arrangement == 1 || arrangement == 2 {
         // Slabs across the street's direction, a lot beside or between them.
         let mirrored = rng.chance(0.5);
@@ -99,7 +99,10 @@ fn flats(g: &mut Grounds<'_>, storeys: u32, name: &dyn Fn(&str) -> String, relie
             let length = rng.range(0.72, 1.0) * (d - 14.0).min(86.0);
             let shape = Shape::bar(length, depth_m - k as f64 * 0.7, &mut rng);
             let out_m = 5.0 + shape.half().y;
-            let at = DVec2::new(x(out_m, *side), low.y + rng.range(7.0, 9.0).max((d - length) * rng.range(0.2, 0.7)) + length / 2.0);
+            let at = DVec2::new(
+                x(out_m, *side),
+                low.y + rng.range(7.0, 9.0).max((d - length) * rng.range(0.2, 0.7)) + length / 2.0,
+            );
             let at = DVec2::new(at.x, at.y.min(high.y - 3.0 - length / 2.0));
             // The door looks towards the lot.
             let axis = if *side { -DVec2::Y } else { DVec2::Y };
@@ -108,7 +111,7 @@ fn flats(g: &mut Grounds<'_>, storeys: u32, name: &dyn Fn(&str) -> String, relie
             let drive = x(out_m + shape.half().y + 7.6, *side);
             g.drive(drive - 3.0, drive + 3.0, at.y + length * 0.3);
             let clear = x(out_m + shape.half().y + 10.4, *side);
-            if *side { reach[1] = clear } else { reach[0] = clear };
+            if *side { reach[1] = clear } else { reach[0] = clear }
         }
         let from = low.y + rng.range(12.0, 24.0);
         let to = (high.y - 1.0).min(from + rng.range(52.0, 90.0));
@@ -168,13 +171,17 @@ fn school(g: &mut Grounds<'_>, name: &dyn Fn(&str) -> String, relief: &Relief<'_
     let mut rng = path.child("school").rng();
     let (low, high) = (g.low, g.high);
     let depth = rng.range(30.0, 42.0);
-    let piece = g.piece(DVec2::new(low.x + 3.0, low.y + 9.0), DVec2::new(high.x - rng.range(3.0, 16.0), low.y + 9.0 + depth));
+    let piece =
+        g.piece(DVec2::new(low.x + 3.0, low.y + 9.0), DVec2::new(high.x - rng.range(3.0, 16.0), low.y + 9.0 + depth));
     if let Some(building) = massing::shop(&piece, relief, &path.child("wings")) {
         g.place(name("school"), building);
     }
     g.drive(low.x + 0.5, low.x + 6.0, low.y + 16.0);
     let yard = low.y + 9.0 + depth + 3.0;
-    g.lay(&polygon::rectangle(DVec2::new(low.x + 3.0, yard), DVec2::new(low.x + 38.0, yard + 20.0)), ground_slot::PAVING_DARK);
+    g.lay(
+        &polygon::rectangle(DVec2::new(low.x + 3.0, yard), DVec2::new(low.x + 38.0, yard + 20.0)),
+        ground_slot::PAVING_DARK,
+    );
     g.amenity(DVec2::new(low.x + 42.0, yard), DVec2::new(high.x, yard + 24.0), &mut rng);
     let field = polygon::rectangle(DVec2::new(low.x + 4.0, yard + 23.0), DVec2::new(high.x - 4.0, high.y - 2.0));
     if high.y - yard > 45.0 {

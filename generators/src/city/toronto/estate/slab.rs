@@ -1,8 +1,6 @@
 //! Blocks of flats: long slabs, staggered and bent ones, crosses and three-winged ones, of 10 to 20 storeys.
 
-use crate::city::toronto::massing::{
-    Building, Frame, GROUNDED, Kind, Relief, balconies, flat, grounded, penthouse,
-};
+use crate::city::toronto::massing::{Building, Frame, GROUNDED, Kind, Relief, balconies, flat, grounded, penthouse};
 use crate::kit::buildings::{Facade, Furnishing, Mass, furnish};
 use crate::kit::polygon;
 use glam::DVec2;
@@ -79,7 +77,8 @@ impl Shape {
         let wings = if rng.chance(0.5) { 3_u32 } else { 4 };
         let w = wing_m / 2.0;
         let step = core::f64::consts::TAU / f64::from(wings);
-        let start = -core::f64::consts::FRAC_PI_2 + if wings == 4 { step / 2.0 * rng.below(2) as f64 } else { step / 2.0 };
+        let start =
+            -core::f64::consts::FRAC_PI_2 + if wings == 4 { step / 2.0 * rng.below(2) as f64 } else { step / 2.0 };
         let turned = |angle: f64| {
             let (s, c) = libm::sincos(angle);
             DVec2::new(c, s)
@@ -139,7 +138,10 @@ pub(super) fn flats(frame: &Frame, shape: &Shape, storeys: u32, relief: &Relief<
     let length = |k: usize| outline[k].distance(outline[(k + 1) % outline.len()]);
     let mut masses = vec![Mass {
         // Ends of wings have none.
-        balconies: balconies(&outline, bay_m, &mut rng).into_iter().filter(|b| length(b.edge) > shape.wing_m + 0.5).collect(),
+        balconies: balconies(&outline, bay_m, &mut rng)
+            .into_iter()
+            .filter(|b| length(b.edge) > shape.wing_m + 0.5)
+            .collect(),
         outline: outline.clone(),
         low_m: GROUNDED,
         roof_m,

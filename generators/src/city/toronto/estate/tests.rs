@@ -1,8 +1,8 @@
 use super::STOREYS;
-use crate::city::toronto::tests::{FRAME_HALF_M, census, planned, sized};
-use crate::city::toronto::{DETAIL_MARGIN_M, Params, Variant, assemble, build};
 use crate::city::toronto::assemble::CityPlan;
 use crate::city::toronto::massing::{Building, Kind};
+use crate::city::toronto::tests::{FRAME_HALF_M, census, planned, sized};
+use crate::city::toronto::{DETAIL_MARGIN_M, Params, Variant, assemble, build};
 use crate::kit::buildings::{self, Detail};
 use crate::kit::mesh_builder::open_edges;
 use crate::kit::{checks, polygon};

@@ -14,7 +14,8 @@ impl Materials {
             [bgr(0.055, 0.07, 0.14), bgr(0.065, 0.13, 0.085)],
             [bgr(0.07, 0.12, 0.08), bgr(0.15, 0.1, 0.06)],
         ]);
-        let surface = |name: &str, base, s: u32| aged(Material::diffuse(name, Class::Ground, base).rough(0.3), s, 0.2, 0.1);
+        let surface =
+            |name: &str, base, s: u32| aged(Material::diffuse(name, Class::Ground, base).rough(0.3), s, 0.2, 0.1);
         // Sidelines of the doubles' and singles' court, baselines, service lines and the middle of these.
         let along: Vec<Field> = [-5.45, -4.1, 4.1, 5.45].map(|v| stripe(Coordinate::V, v, 0.06)).to_vec();
         let across: Vec<Field> = [-11.85, -6.4, 6.4, 11.85].map(|u| stripe(Coordinate::U, u, 0.07)).to_vec();
@@ -27,7 +28,8 @@ impl Materials {
         let sand = surface("playground", bgr(0.17, 0.215, 0.25), seed("playground"));
         for m in [
             surface("court edge", edge, seed("court edge")),
-            surface("court", court, seed("court")).with(Layer::Mix { color: bgr(0.36, 0.37, 0.37), amount: lines.times(0.8) }),
+            surface("court", court, seed("court"))
+                .with(Layer::Mix { color: bgr(0.36, 0.37, 0.37), amount: lines.times(0.8) }),
             Material { brdf: Brdf::Coated { index: 1.33 }, ..pool },
             sand,
         ] {

@@ -34,8 +34,10 @@ impl Materials {
             m.with(Layer::Mix { color: Bands::new(0.055, 0.1, 0.085, 0.3), amount })
         };
         let s = seed("ballast", 0);
-        let ballast = weeds(stones("ballast", bgr(0.128, 0.142, 0.155), s), s, 0.12)
-            .with(Layer::Mix { color: bgr(0.07, 0.08, 0.095), amount: noise(s ^ 3, 37.0, 3).ramp(-0.1, 0.5).times(0.7) });
+        let ballast = weeds(stones("ballast", bgr(0.128, 0.142, 0.155), s), s, 0.12).with(Layer::Mix {
+            color: bgr(0.07, 0.08, 0.095),
+            amount: noise(s ^ 3, 37.0, 3).ramp(-0.1, 0.5).times(0.7),
+        });
         let s = seed("track", 0);
         let rust = Field::Product(vec![
             Field::Sum(vec![stripe(Coordinate::V, -0.754, 0.62), stripe(Coordinate::V, 0.754, 0.62)]),
@@ -53,23 +55,45 @@ impl Materials {
             self.sets[0].push(m);
         }
         let structure = Class::OtherStructure;
-        let plain = |name: String, class: Class, base: Bands, s: u32| aged(Material::diffuse(&name, class, base).rough(0.3), s, 0.15, 0.12);
+        let plain = |name: String, class: Class, base: Bands, s: u32| {
+            aged(Material::diffuse(&name, class, base).rough(0.3), s, 0.15, 0.12)
+        };
         let rail = plain("rail".into(), structure, bgr(0.1, 0.115, 0.14), seed("rail", 0));
         let sleeper = plain("sleeper".into(), structure, bgr(0.145, 0.155, 0.165), seed("sleeper", 0))
-            .with(brightness(Field::Cells { space: satseed_scene::Space::World, seed: seed("sleeper", 1), size_m: [0.9, 0.9, 0.0], stagger: 0.5 }.times(0.22)))
-            .with(Layer::Mix { color: bgr(0.065, 0.075, 0.09), amount: noise(seed("sleeper", 2), 60.0, 2).ramp(-0.15, 0.15).times(0.8) });
+            .with(brightness(
+                Field::Cells {
+                    space: satseed_scene::Space::World,
+                    seed: seed("sleeper", 1),
+                    size_m: [0.9, 0.9, 0.0],
+                    stagger: 0.5,
+                }
+                .times(0.22),
+            ))
+            .with(Layer::Mix {
+                color: bgr(0.065, 0.075, 0.09),
+                amount: noise(seed("sleeper", 2), 60.0, 2).ramp(-0.15, 0.15).times(0.8),
+            });
         self.rail.track = [rail, sleeper].map(|m| self.add(m)).to_vec();
         for (k, level) in [0.24, 0.18, 0.3].into_iter().enumerate() {
-            let streaks = Field::Noise(satseed_scene::Fractal::new(satseed_scene::Space::Plan, seed("streaks", k as u64), 0.8, 2));
+            let streaks = Field::Noise(satseed_scene::Fractal::new(
+                satseed_scene::Space::Plan,
+                seed("streaks", k as u64),
+                0.8,
+                2,
+            ));
             let m = concrete(&format!("retaining wall {k}"), structure, level, 0.0, seed("wall", k as u64))
                 .with(brightness(streaks.times(0.22)));
             let m = self.add(m);
             self.rail.walls.push(m);
         }
-        for (k, (base, strip)) in
-            [(bgr(0.3, 0.32, 0.33), 1.2), (bgr(0.13, 0.135, 0.14), 0.8), (bgr(0.19, 0.26, 0.24), 0.6), (bgr(0.46, 0.48, 0.48), 1.8)]
-                .into_iter()
-                .enumerate()
+        for (k, (base, strip)) in [
+            (bgr(0.3, 0.32, 0.33), 1.2),
+            (bgr(0.13, 0.135, 0.14), 0.8),
+            (bgr(0.19, 0.26, 0.24), 0.6),
+            (bgr(0.46, 0.48, 0.48), 1.8),
+        ]
+        .into_iter()
+        .enumerate()
         {
             let m = membrane(&format!("canopy {k}"), base, strip, 0.3, seed("canopy", k as u64));
             let m = self.add(Material { class: structure, ..m });
@@ -118,7 +142,8 @@ impl Materials {
         for (k, level) in [0.34, 0.23, 0.14, 0.46].into_iter().enumerate() {
             let s = seed("train roof", k as u64);
             let soot = noise(s ^ 0x5, 3.0, 3).ramp(-0.1, 0.6).times(0.5);
-            let ribs = repeating(Coordinate { space: satseed_scene::Space::Object, axis: 0 }, 1.25, 0.1, 0.0).times(-0.2);
+            let ribs =
+                repeating(Coordinate { space: satseed_scene::Space::Object, axis: 0 }, 1.25, 0.1, 0.0).times(-0.2);
             let m = plain(format!("train roof {k}"), Class::Vehicle, Bands::grey(level), s)
                 .with(brightness(ribs))
                 .with(Layer::Mix { color: Bands::grey(0.06), amount: soot });

@@ -52,7 +52,11 @@ pub(in super::super) fn patches(corridor: &Corridor, reach_m: f64) -> Vec<Patch>
     let half = corridor.half_m;
     let roadway = |s: &Street| s.section.roadway_m / 2.0;
     // Grass along the edges, streets that end there, sidewalks that lead onto bridges.
-    let near: Vec<_> = corridor.crossings.iter().filter(|(_, s, _)| corridor.line.along(s.crossing(0.0, &corridor.line, 0.0)).abs() < reach_m).collect();
+    let near: Vec<_> = corridor
+        .crossings
+        .iter()
+        .filter(|(_, s, _)| corridor.line.along(s.crossing(0.0, &corridor.line, 0.0)).abs() < reach_m)
+        .collect();
     let border = |(_, s, c): &(i64, Street, Crossing)| match c {
         Crossing::Road => s.section.right_of_way_m() / 2.0,
         Crossing::Foot | Crossing::None => roadway(s),

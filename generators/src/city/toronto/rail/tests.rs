@@ -23,7 +23,7 @@ fn a_corridor_has_its_tracks_bridges_and_trains() {
         let plan = planned(seed, Variant::Rail);
         let c = corridor(&plan);
         let cars = consists(c, &plan.relief, 1.0, 440.0);
-        let seen = cars.iter().filter(|c| in_frame(c.world_from_car.translation.truncate())).count();
+        let seen = cars.iter().filter(|c| in_frame(c.world_from_object.translation.truncate())).count();
         let bridges = |kind: Crossing| {
             let at = |s: &crate::kit::streets::Street| s.crossing(0.0, &c.line, 0.0);
             c.crossings.iter().filter(|(_, s, k)| *k == kind && in_frame(at(s))).count()
@@ -66,7 +66,8 @@ fn tracks_keep_apart_and_leads_join_them() {
             for lead in &track.leads {
                 leads += 1;
                 for (end, at) in lead.left_m.iter().zip(lead.span_m) {
-                    let of = |t: &&super::Track| (t.left_m - end).abs() < 1e-9 && t.span_m[0] <= at && t.span_m[1] >= at;
+                    let of =
+                        |t: &&super::Track| (t.left_m - end).abs() < 1e-9 && t.span_m[0] <= at && t.span_m[1] >= at;
                     assert!(c.tracks.iter().any(|t| of(&t)), "seed {seed}: a lead from nowhere");
                 }
                 assert!((lead.span_m[1] - lead.span_m[0]) / (lead.left_m[1] - lead.left_m[0]).abs() > 8.0);
@@ -89,12 +90,12 @@ fn trains_stand_on_their_rails_and_apart() {
             .map(|car| {
                 let (low, high) = car.body.mesh().bounds_m().expect("a car");
                 let outline = polygon::rectangle(low.truncate() + 0.02, high.truncate() - 0.02);
-                outline.iter().map(|p| car.world_from_car.transform_point3(p.extend(0.0)).truncate()).collect()
+                outline.iter().map(|p| car.world_from_object.transform_point3(p.extend(0.0)).truncate()).collect()
             })
             .collect();
         for (k, (car, a)) in cars.iter().zip(&feet).enumerate() {
             for x in [-8.0, 0.0, 8.0] {
-                let wheel = car.world_from_car.transform_point3(DVec3::new(x, 0.0, 0.0));
+                let wheel = car.world_from_object.transform_point3(DVec3::new(x, 0.0, 0.0));
                 let rail = plan.relief.height_m(wheel.truncate()) - DEPTH_M + RAIL_M;
                 assert!((wheel.z - rail).abs() < 0.05, "{}: {} over {rail}", car.name, wheel.z);
                 assert!(c.tracks.iter().any(|t| (c.local(wheel.truncate()).y - t.left_m).abs() < 1e-6), "{}", car.name);
@@ -124,7 +125,8 @@ fn works_are_closed_rooted_and_high_enough() {
                 let columns = |p: DVec3| c.tracks.iter().any(|t| (c.local(p.truncate()).y - t.left_m).abs() < 1.6);
                 for v in &part.mesh.positions_m {
                     let d = DVec3::from_array(v.map(f64::from));
-                    let world = (part.origin.truncate() + part.axis * d.x + part.axis.perp() * d.y).extend(part.origin.z + d.z);
+                    let world =
+                        (part.origin.truncate() + part.axis * d.x + part.axis.perp() * d.y).extend(part.origin.z + d.z);
                     let clear = world.z - (plan.relief.height_m(world.truncate()) - DEPTH_M + RAIL_M);
                     assert!(!columns(world) || clear > 5.1, "{}: {clear} m over the rails", part.name);
                 }

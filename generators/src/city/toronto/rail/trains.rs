@@ -49,23 +49,15 @@ pub(in super::super) struct Car {
     pub(in super::super) body: Body,
     /// Which of its train's colours.
     pub(in super::super) livery: u64,
-    pub(in super::super) world_from_car: DAffine3,
+    pub(in super::super) world_from_object: DAffine3,
 }
 
 /// Between the ends of two coupled cars, m.
 const COUPLING_M: f64 = 0.75;
 
 impl Body {
-    pub(in super::super) const ALL: [Self; 8] = [
-        Self::Bilevel,
-        Self::Cab,
-        Self::Coach,
-        Self::Locomotive,
-        Self::Boxcar,
-        Self::Tank,
-        Self::Hopper,
-        Self::Flat,
-    ];
+    pub(in super::super) const ALL: [Self; 8] =
+        [Self::Bilevel, Self::Cab, Self::Coach, Self::Locomotive, Self::Boxcar, Self::Tank, Self::Hopper, Self::Flat];
 
     fn length_m(self) -> f64 {
         match self {
@@ -120,7 +112,14 @@ impl Body {
                 for way in [-1.0, 1.0] {
                     b.limb(slot::BODY, axis(way * (half - 1.0)), axis(way * (half - 0.45)), [1.4, 0.75], 14);
                 }
-                b.prism(slot::UNDER, slot::UNDER, &polygon::oriented_rectangle(DVec2::ZERO, DVec2::X, DVec2::new(half, 0.45)), 0.95, 1.4, Wall::PLAIN);
+                b.prism(
+                    slot::UNDER,
+                    slot::UNDER,
+                    &polygon::oriented_rectangle(DVec2::ZERO, DVec2::X, DVec2::new(half, 0.45)),
+                    0.95,
+                    1.4,
+                    Wall::PLAIN,
+                );
                 b.block(slot::STRIPE, slot::UNDER, DVec2::ZERO, DVec2::X, DVec2::new(0.55, 0.55), 4.0, 4.6);
                 b.block(slot::UNDER, slot::UNDER, DVec2::ZERO, DVec2::X, DVec2::new(1.6, 1.1), 4.05, 4.15);
                 bogies(&mut b, half - 2.1);
@@ -207,7 +206,8 @@ fn locomotive(b: &mut MeshBuilder, half: f64) {
     band(b, half - 2.7, side + 0.01, [1.15, 1.7], slot::STRIPE);
     for (k, x) in [-half + 2.2, -half + 4.6, 1.0, 4.0].into_iter().enumerate() {
         let r = if k < 2 { 0.85 } else { 0.6 };
-        let disc = polygon::rounded(&polygon::oriented_rectangle(DVec2::new(x, 0.0), DVec2::X, DVec2::splat(r)), r * 0.8, 2);
+        let disc =
+            polygon::rounded(&polygon::oriented_rectangle(DVec2::new(x, 0.0), DVec2::X, DVec2::splat(r)), r * 0.8, 2);
         b.prism(slot::ROOF, slot::UNDER, &disc, 4.4, 4.68, Wall::PLAIN);
     }
     b.block(slot::UNDER, slot::UNDER, DVec2::new(-2.0, 0.0), DVec2::X, DVec2::new(1.4, 0.5), 4.4, 4.64);
@@ -290,7 +290,14 @@ pub(in super::super) fn consists(corridor: &Corridor, relief: &Swells, share: f6
                             name: format!("rail/track/{t}/train/{number}/car/{k}"),
                             body: *body,
                             livery,
-                            world_from_car: on_rails(corridor, relief, along, track.left_m, forward, body.length_m()),
+                            world_from_object: on_rails(
+                                corridor,
+                                relief,
+                                along,
+                                track.left_m,
+                                forward,
+                                body.length_m(),
+                            ),
                         });
                     }
                 }

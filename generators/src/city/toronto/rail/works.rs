@@ -138,9 +138,23 @@ fn walls(piece: &Piece<'_>) -> Mesh {
             let pitch = 1.5;
             for from in closed(pitch, edge, -0.2) {
                 let [r, l] = outward(-0.72, 0.22);
-                run(&mut b, piece, [from, from + pitch], edge, &bar(r, l, DEPTH_M - 0.5, DEPTH_M + 0.9), &[slot::CONCRETE; 4]);
+                run(
+                    &mut b,
+                    piece,
+                    [from, from + pitch],
+                    edge,
+                    &bar(r, l, DEPTH_M - 0.5, DEPTH_M + 0.9),
+                    &[slot::CONCRETE; 4],
+                );
                 let [r, l] = outward(-0.85, 0.35);
-                run(&mut b, piece, [from, from + pitch], edge, &bar(r, l, DEPTH_M + 0.85, DEPTH_M + 1.0), &[slot::CONCRETE; 4]);
+                run(
+                    &mut b,
+                    piece,
+                    [from, from + pitch],
+                    edge,
+                    &bar(r, l, DEPTH_M + 0.85, DEPTH_M + 1.0),
+                    &[slot::CONCRETE; 4],
+                );
             }
             // Buttresses.
             for k in 0..(PIECE_M / 7.5) as u32 {
@@ -211,7 +225,15 @@ fn platforms(piece: &Piece<'_>) -> Mesh {
                 let ground = piece.floor_m(along, *gap);
                 let y = gap + w * 0.45 * if k.rem_euclid(2.0) < 0.5 { 1.0 } else { -1.0 };
                 let at = DVec2::new(along - piece.middle_m, y);
-                b.block(slot::STEEL, slot::DARK, at, DVec2::X, DVec2::new(0.8, 0.45), ground + eaves - 0.2, ground + eaves + 0.5);
+                b.block(
+                    slot::STEEL,
+                    slot::DARK,
+                    at,
+                    DVec2::X,
+                    DVec2::new(0.8, 0.45),
+                    ground + eaves - 0.2,
+                    ground + eaves + 0.5,
+                );
                 k += 1.0;
             }
         }
@@ -222,12 +244,28 @@ fn platforms(piece: &Piece<'_>) -> Mesh {
             let at = |dx: f64, dy: f64| DVec2::new(along + dx - piece.middle_m, gap + dy);
             if along > a && along < z {
                 for dy in [-0.62, 0.62] {
-                    b.block(slot::STEEL, slot::STEEL, at(0.0, dy * half), DVec2::X, DVec2::splat(0.14), ground - 0.3, ground + eaves + 0.05);
+                    b.block(
+                        slot::STEEL,
+                        slot::STEEL,
+                        at(0.0, dy * half),
+                        DVec2::X,
+                        DVec2::splat(0.14),
+                        ground - 0.3,
+                        ground + eaves + 0.05,
+                    );
                 }
             } else {
                 let lamp = ground + 6.0;
                 b.limb(slot::STEEL, at(0.0, 0.0).extend(ground), at(0.0, 0.0).extend(lamp), [0.09, 0.06], 5);
-                b.block(slot::STEEL, slot::STEEL, at(0.0, 0.0), DVec2::X, DVec2::new(0.18, 0.9), lamp - 0.05, lamp + 0.1);
+                b.block(
+                    slot::STEEL,
+                    slot::STEEL,
+                    at(0.0, 0.0),
+                    DVec2::X,
+                    DVec2::new(0.18, 0.9),
+                    lamp - 0.05,
+                    lamp + 0.1,
+                );
             }
             // Heads of stairs, lifts and shelters.
             if k.rem_euclid(6.0) < 0.5 && along + 6.0 < span[1] {
@@ -253,13 +291,22 @@ fn signals(piece: &Piece<'_>) -> Mesh {
     if portal && clear && !station && c.tracks.len() > 3 {
         // From beside the first track to the middle of a gap or beside the last one.
         let right = c.tracks[0].left_m - 2.6;
-        let left = c.gaps_m.last().copied().filter(|_| rng.chance(0.5)).unwrap_or(c.tracks[c.tracks.len() - 1].left_m + 2.6);
+        let left =
+            c.gaps_m.last().copied().filter(|_| rng.chance(0.5)).unwrap_or(c.tracks[c.tracks.len() - 1].left_m + 2.6);
         let ground = |y: f64| piece.floor_m(along, y);
-        let top = ground((right + left) / 2.0) + 7.3;
+        let top = ground(f64::midpoint(right, left)) + 7.3;
         for y in [right, left] {
             let foot = DVec2::new(x, y);
             for dx in [-0.45, 0.45] {
-                b.block(slot::STEEL, slot::STEEL, foot + DVec2::new(dx, 0.0), DVec2::X, DVec2::splat(0.11), ground(y) - 0.8, top);
+                b.block(
+                    slot::STEEL,
+                    slot::STEEL,
+                    foot + DVec2::new(dx, 0.0),
+                    DVec2::X,
+                    DVec2::splat(0.11),
+                    ground(y) - 0.8,
+                    top,
+                );
             }
         }
         let beam = |dx: f64, z: f64| (DVec3::new(x + dx, right - 0.3, z), DVec3::new(x + dx, left + 0.3, z));
@@ -271,7 +318,13 @@ fn signals(piece: &Piece<'_>) -> Mesh {
         while y + 1.2 < left {
             for dx in [-0.45, 0.45] {
                 b.limb(slot::STEEL, DVec3::new(x + dx, y, top), DVec3::new(x + dx, y + 0.6, top - 0.9), [0.035; 2], 3);
-                b.limb(slot::STEEL, DVec3::new(x + dx, y + 0.6, top - 0.9), DVec3::new(x + dx, y + 1.2, top), [0.035; 2], 3);
+                b.limb(
+                    slot::STEEL,
+                    DVec3::new(x + dx, y + 0.6, top - 0.9),
+                    DVec3::new(x + dx, y + 1.2, top),
+                    [0.035; 2],
+                    3,
+                );
             }
             y += 1.2;
         }
@@ -407,7 +460,15 @@ fn road_bridge(corridor: &Corridor, relief: &Swells, index: i64, street: &Street
         for side in [-1.0, 1.0] {
             let y = side * (w - 0.14);
             let z = over.height_m(x, y);
-            b.block(slot::STEEL, slot::STEEL, DVec2::new(x, y), DVec2::X, DVec2::splat(0.06), z + guard - 0.3, z + guard + 0.45);
+            b.block(
+                slot::STEEL,
+                slot::STEEL,
+                DVec2::new(x, y),
+                DVec2::X,
+                DVec2::splat(0.06),
+                z + guard - 0.3,
+                z + guard + 0.45,
+            );
         }
         x += 4.0;
     }
