@@ -4,6 +4,7 @@
 //! The corridor is a street of the grid that carries tracks, so that blocks and streets end at its borders by themselves. Its
 //! floor lies below them: the ground's height is the relief less the cutting's depth, with a wall or a bank on each side.
 
+mod bridges;
 mod ground;
 mod tracks;
 mod trains;
