@@ -62,7 +62,7 @@ fn main() -> anyhow::Result<()> {
                     use field::Variant::{European, Pivot};
                     p.variant = [European, European, Pivot][turn];
                 }
-                _ => {}
+                Region::Canyon(_) => {}
             }
             let scene = region.build(seed);
             scene.validate()?;

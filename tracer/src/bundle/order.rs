@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn rays_that_go_their_own_ways_have_no_order() {
-        let mut queries = rays(square(|k| f64::from(k)));
+        let mut queries = rays(square(f64::from));
         queries[7] = Closest::new(DVec3::ZERO, DVec3::NEG_X, 1.0);
         assert_eq!(narrower(&queries), None);
     }
