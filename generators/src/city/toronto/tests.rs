@@ -99,15 +99,15 @@ fn midtown_is_lower_than_the_core_and_still_a_city() {
 }
 
 #[test]
-fn one_tree_more_moves_no_house() {
-    let city = SeedPath::root("toronto", 4).child("core");
-    let plan = |trees, vehicles| {
-        let params = Params { radius_m: 60.0, trees, vehicles, ..Params::default() };
-        let plan = assemble::plan(&params, &city);
-        let houses: Vec<_> = plan.blocks.into_iter().flat_map(|(_, b)| b.buildings).collect();
-        houses
-    };
-    assert!(plan(1.0, 1.0) == plan(2.0, 0.3));
+fn one_tree_or_train_more_moves_no_house() {
+    for (variant, name) in [(Variant::Core, "core"), (Variant::Slabs, "slabs"), (Variant::Rail, "rail")] {
+        let city = SeedPath::root("toronto", 4).child(name);
+        let houses = |trees, vehicles| {
+            let params = Params { variant, radius_m: 60.0, trees, vehicles, ..Params::default() };
+            assemble::plan(&params, &city).blocks.into_iter().flat_map(|(_, b)| b.buildings).collect::<Vec<_>>()
+        };
+        assert!(houses(1.0, 1.0) == houses(2.0, 0.3), "{name}");
+    }
 }
 
 #[test]

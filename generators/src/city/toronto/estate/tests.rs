@@ -2,7 +2,7 @@ use super::STOREYS;
 use crate::city::toronto::assemble::CityPlan;
 use crate::city::toronto::massing::{Building, Kind};
 use crate::city::toronto::tests::{FRAME_HALF_M, census, planned, sized};
-use crate::city::toronto::{DETAIL_MARGIN_M, Params, Variant, assemble, build};
+use crate::city::toronto::{DETAIL_MARGIN_M, Variant, build};
 use crate::kit::buildings::{self, Detail};
 use crate::kit::mesh_builder::open_edges;
 use crate::kit::{checks, polygon};
@@ -134,16 +134,6 @@ fn cars_stand_clear() {
             }
         }
     }
-}
-
-#[test]
-fn one_tree_more_moves_no_house() {
-    let city = SeedPath::root("toronto", 4).child("slabs");
-    let houses = |trees, vehicles| {
-        let params = Params { trees, vehicles, ..sized(Variant::Slabs, 60.0) };
-        assemble::plan(&params, &city).blocks.into_iter().flat_map(|(_, b)| b.buildings).collect::<Vec<_>>()
-    };
-    assert!(houses(1.0, 1.0) == houses(2.0, 0.3));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 use super::{Corridor, Crossing, DEPTH_M, PITCH_M, RAIL_M, consists, parts};
 use crate::city::toronto::assemble::CityPlan;
 use crate::city::toronto::tests::{FRAME_HALF_M, census, planned, sized};
-use crate::city::toronto::{DETAIL_MARGIN_M, Params, Variant, assemble, build};
+use crate::city::toronto::{DETAIL_MARGIN_M, Variant, build};
 use crate::kit::mesh_builder::open_edges;
 use crate::kit::{checks, polygon};
 use glam::{DVec2, DVec3};
@@ -158,16 +158,6 @@ fn the_cutting_is_open() {
             assert!(content.trees.iter().all(|p| !c.holds(*p, 1.0)));
         }
     }
-}
-
-#[test]
-fn one_train_more_moves_no_house() {
-    let city = SeedPath::root("toronto", 4).child("rail");
-    let houses = |trees, vehicles| {
-        let params = Params { trees, vehicles, ..sized(Variant::Rail, 60.0) };
-        assemble::plan(&params, &city).blocks.into_iter().flat_map(|(_, b)| b.buildings).collect::<Vec<_>>()
-    };
-    assert!(houses(1.0, 1.0) == houses(2.0, 0.3));
 }
 
 #[test]
