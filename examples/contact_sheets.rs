@@ -1,7 +1,7 @@
 //! Contact sheets: the same views of the same seeds after every change, to be looked at.
 //!
 //! `cargo run --release --example contact_sheets [REGION ...]` writes docs/sheets/<region>-{nadir,detail,oblique}.jpg:
-//! five seeds; the whole frame from above, two crops of 512 x 512 pixels at the sensor's own 0.3 m, three oblique views.
+//! five seeds and more, each variant among them; the whole frame from above, two crops of 512 x 512 pixels at the sensor's own 0.3 m, three oblique views.
 
 #![allow(clippy::print_stderr)]
 
@@ -10,13 +10,15 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
-use satseed_generators::city::{california, toronto, venice};
-use satseed_generators::{Region, coast, desert, field, forest};
+use satseed::plan::Plan;
+use satseed::recipe::{Preset, Recipe};
+use satseed_generators::Region;
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
 use std::path::Path;
 
-const SEEDS: [u64; 5] = [1, 2, 3, 4, 5];
+/// Fewest scenes of a region; seeds count from 1.
+const SCENES: usize = 5;
 /// Half a frame's side on the ground, m.
 const HALF_FRAME_M: f64 = 307.2;
 const CELL_PX: u32 = 512;
@@ -28,45 +30,14 @@ fn main() -> anyhow::Result<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sheets");
     std::fs::create_dir_all(&folder)?;
     for name in names {
-        let mut region = Region::by_name(name).with_context(|| format!("no region is called `{name}`"))?;
         let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
-        for seed in SEEDS {
-            // A sheet shows all kinds of dunes, fields, forests, coasts and cities.
-            let turn = seed as usize % 3;
-            match &mut region {
-                Region::Desert(p) => {
-                    use desert::Variant::{Barchan, Linear, Transverse};
-                    p.variant = [Linear, Barchan, Transverse][turn];
-                }
-                Region::Forest(p) => {
-                    use forest::Variant::{Conifer, Logged, Mixed};
-                    p.variant = [Logged, Mixed, Conifer][turn];
-                }
-                Region::Coast(p) => {
-                    use coast::Variant::{Beach, Cliff};
-                    p.variant = [Beach, Cliff][seed as usize % 2];
-                }
-                Region::California(p) => {
-                    use california::Variant::{Downtown, Hill, Interchange, Lowrise, Suburb, Waterfront};
-                    p.variant = [Suburb, Downtown, Interchange, Hill, Waterfront, Lowrise][seed as usize % 6];
-                }
-                Region::Toronto(p) => {
-                    use toronto::Variant::{Core, Midtown, Rail, Slabs};
-                    p.variant = [Slabs, Core, Rail, Midtown][seed as usize % 4];
-                }
-                Region::Venice(p) => {
-                    use venice::Variant::{Canal, Dense};
-                    p.variant = [Dense, Canal][seed as usize % 2];
-                }
-                Region::Field(p) => {
-                    use field::Variant::{European, Pivot};
-                    p.variant = [European, European, Pivot][turn];
-                }
-                Region::Canyon(_) => {}
-            }
+        // A sheet shows all kinds of dunes, fields, forests, coasts and cities, and no fewer than five scenes.
+        let variants = variants(name)?;
+        let count = variants.len().max(SCENES);
+        for (seed, region) in (1..).zip(variants.iter().cycle().take(count)) {
             let scene = region.build(seed);
             scene.validate()?;
-            eprintln!("{name} {seed}: {:?} triangles held and placed", scene.triangle_counts());
+            eprintln!("{name}/{} {seed}: {:?} triangles held and placed", region.variant(), scene.triangle_counts());
             let tracer = Tracer::new(&scene);
             let own = Light::of(&tracer, &environment());
             let shared = own.clone().with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
@@ -76,13 +47,24 @@ fn main() -> anyhow::Result<()> {
                 sheet.push(cameras.iter().map(|camera| picture(&tracer, camera, light)).collect());
             }
         }
-        // The frames from above stand in one row: five of them.
+        // The frames from above stand in one row.
         let nadir: Vec<Image> = sheets[0].drain(..).flatten().collect();
         write(&folder.join(format!("{name}-nadir.jpg")), &[nadir])?;
         write(&folder.join(format!("{name}-detail.jpg")), &transposed(&sheets[1]))?;
         write(&folder.join(format!("{name}-oblique.jpg")), &sheets[2])?;
     }
     Ok(())
+}
+
+/// Each variant of a region, as the preset `satseed` has it.
+fn variants(name: &str) -> anyhow::Result<Vec<Region>> {
+    let preset = Preset::by_name("satseed").context("the preset `satseed`")?;
+    let recipe = Recipe::parse_with(preset.name, preset.text, &[])?;
+    let mut all: Vec<Region> = Plan::new(&recipe)?.scenes.into_iter().map(|s| s.region).collect();
+    all.retain(|region| region.name() == name);
+    all.dedup_by_key(|region| region.variant());
+    anyhow::ensure!(!all.is_empty(), "no region is called `{name}`; there are {}", Region::NAMES.join(", "));
+    Ok(all)
 }
 
 /// The cameras of the three sheets: whole frame, crops, oblique.
@@ -96,10 +78,13 @@ fn views(tracer: &Tracer) -> [Vec<Camera>; 3] {
     ]
     .map(|(at, from)| {
         let ground = on_ground(tracer, at);
-        // Never inside a building or below a slope.
+        // Never inside a building or below a slope, and never right before a wall.
         let eye = ground + from;
         let clear = on_ground(tracer, eye.truncate()).z + 12.0;
-        let eye = eye.with_z(eye.z.max(clear));
+        let mut eye = eye.with_z(eye.z.max(clear));
+        while !sees(tracer, eye, ground) {
+            eye.z += 10.0;
+        }
         Camera::looking_at(eye, ground, [CELL_PX, CELL_PX * 3 / 4], f64::from(CELL_PX) * 0.85)
     });
     [vec![whole], crops.to_vec(), oblique.to_vec()]
@@ -120,6 +105,13 @@ fn nadir(centre: DVec2, gsd_m: f64) -> Camera {
         position_m: DVec3::new(0.0, 0.0, 1000.0),
         world_from_camera: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
     }
+}
+
+/// Whether most of the way from an eye to where it looks is free; from high enough above it is.
+fn sees(tracer: &Tracer, eye: DVec3, at: DVec3) -> bool {
+    let way = at - eye;
+    let ray = Ray { origin: eye, direction: way.normalize() };
+    tracer.closest(&ray, 0.7 * way.length()).is_none()
 }
 
 fn on_ground(tracer: &Tracer, at: DVec2) -> DVec3 {
@@ -161,6 +153,6 @@ fn write(path: &Path, rows: &[Vec<Image>]) -> anyhow::Result<()> {
         }
     }
     let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, 80).write_image(&pixels, width, height, ExtendedColorType::Rgb8)?;
+    JpegEncoder::new_with_quality(&mut bytes, 75).write_image(&pixels, width, height, ExtendedColorType::Rgb8)?;
     std::fs::write(path, bytes).with_context(|| format!("{} cannot be written", path.display()))
 }

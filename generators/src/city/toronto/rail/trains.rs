@@ -85,7 +85,7 @@ impl Body {
             Self::Coach => {
                 let hull = hull(half, 1.52);
                 b.prism(slot::BODY, slot::UNDER, &hull, 0.95, 3.5, Wall::PLAIN);
-                b.frustum(slot::ROOF, slot::ROOF, &hull, &polygon::mitred(&hull, 0.5), 3.45, 4.2);
+                b.frustum(slot::ROOF, slot::ROOF, &hull, &tapered(&hull, 0.5), 3.45, 4.2);
                 band(&mut b, half - 2.2, 1.535, [1.9, 2.75], slot::WINDOW);
                 band(&mut b, half - 0.1, 1.53, [1.1, 1.45], slot::STRIPE);
                 for x in [-half + 3.0, half - 3.0] {
@@ -97,7 +97,7 @@ impl Body {
             Self::Boxcar => {
                 let hull = hull(half, 1.5);
                 b.prism(slot::BODY, slot::UNDER, &hull, 1.05, 4.3, Wall::PLAIN);
-                b.frustum(slot::ROOF, slot::ROOF, &hull, &polygon::mitred(&hull, 0.9), 4.28, 4.52);
+                b.frustum(slot::ROOF, slot::ROOF, &hull, &tapered(&hull, 0.9), 4.28, 4.52);
                 for k in -6..=6 {
                     let x = f64::from(k) * half / 6.6;
                     b.block(slot::ROOF, slot::ROOF, DVec2::new(x, 0.0), DVec2::X, DVec2::new(0.06, 1.3), 4.3, 4.56);
@@ -129,7 +129,7 @@ impl Body {
                 let bottom = hull(half - 2.9, 1.2);
                 b.frustum(slot::BODY, slot::UNDER, &bottom, &top, 1.0, 2.5);
                 b.prism(slot::BODY, slot::UNDER, &top, 2.45, 4.15, Wall::PLAIN);
-                b.frustum(slot::ROOF, slot::ROOF, &top, &polygon::mitred(&top, 0.75), 4.1, 4.5);
+                b.frustum(slot::ROOF, slot::ROOF, &top, &tapered(&top, 0.75), 4.1, 4.5);
                 // Hatches between the running boards.
                 for k in 0..9 {
                     let x = (f64::from(k) - 4.0) * (half - 1.2) / 4.5;
@@ -161,6 +161,12 @@ impl Body {
 
 fn hull(half_m: f64, side_m: f64) -> Vec<DVec2> {
     polygon::rounded(&polygon::rectangle(DVec2::new(-half_m, -side_m), DVec2::new(half_m, side_m)), 0.25, 1)
+}
+
+/// A hull brought in on all sides as its roof is. Scaled rather than mitred, since its corners' short edges would turn around.
+fn tapered(hull: &[DVec2], by_m: f64) -> Vec<DVec2> {
+    let half = hull.iter().fold(DVec2::ZERO, |m, p| m.max(p.abs()));
+    hull.iter().map(|p| *p * (half - by_m) / half).collect()
 }
 
 /// A band around a hull, a little proud of it.
