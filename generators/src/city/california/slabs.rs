@@ -352,8 +352,11 @@ impl<'a> Site<'a> {
             self.flat("pad/0", Kind::Shop, [b0 + 4.0, b0 + 30.0, 24.0, 44.0], rng.range(4.6, 6.0), &key.child("pad"));
         }
         let [u0, u1] = span(4.0, start - 6.0);
-        self.woods(90, &mut rng, [u0, u1, 4.0, size.y - 6.0]);
-        for _ in 0..libm::floor(500.0 * self.params.trees) as u32 {
+        // From bare to wooded.
+        let trees = *rng.pick(&[20, 50, 90, 150]);
+        let shrubs = rng.range(150.0, 900.0);
+        self.woods(trees, &mut rng, [u0, u1, 4.0, size.y - 6.0]);
+        for _ in 0..libm::floor(shrubs * self.params.trees) as u32 {
             let (u, v) = (rng.range(u0, u1), rng.range(2.0, size.y - 4.0));
             let size = rng.range(0.7, 2.0);
             self.tree(u, v, Plant::Shrub, size);

@@ -235,7 +235,7 @@ fn houses_keep_to_their_lots_and_apart() {
 
 #[test]
 fn the_interchange_is_closed_rooted_and_open_below() {
-    for seed in 0..3 {
+    for seed in 0..6 {
         let params = Params { variant: Variant::Interchange, ..params(330.0) };
         let city = SeedPath::root("california", seed).child("interchange");
         let plan = assemble::plan(&params, &city);

@@ -118,6 +118,15 @@ pub(super) fn widened(outline: &[DVec2], by_m: impl Fn(usize) -> f64) -> Vec<DVe
         .collect()
 }
 
+/// Whether a side of a moved outline runs against the side that it was.
+pub(super) fn turned_around(outline: &[DVec2], moved: &[DVec2]) -> bool {
+    let n = outline.len();
+    (0..n).any(|i| {
+        let j = (i + 1) % n;
+        (outline[j] - outline[i]).dot(moved[j] - moved[i]) <= 0.0
+    })
+}
+
 /// A house on a lot; none where the lot is too small.
 pub(super) fn house(lot: &Lot, lie: &Lie, city: &SeedPath) -> Option<House> {
     let (world, sides) = bent(&lot.piece, lie)?;
@@ -193,8 +202,12 @@ fn tiles(outline: &[DVec2], sides: &[Side], axis: DVec2, used: Use, eaves_m: f64
         }
     }
     let overhang = rng.range(0.2, 0.42);
-    let widened = widened(outline, |i| if sides[i] == Side::Party || slopes[i].is_none() { 0.04 } else { overhang });
-    Roof { outline: widened, slopes, eaves_m }
+    let mut eaves = widened(outline, |i| if sides[i] == Side::Party || slopes[i].is_none() { 0.04 } else { overhang });
+    if turned_around(outline, &eaves) {
+        // A short side at a flat corner: an even edge.
+        eaves = widened(outline, |_| 0.04);
+    }
+    Roof { outline: eaves, slopes, eaves_m }
 }
 
 /// Places things on a house.

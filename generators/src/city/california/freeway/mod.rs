@@ -3,6 +3,10 @@
 //! Everything is a closed sweep along a line: decks with their barriers, embankments that reach into the ground, piers down
 //! through them. Under a deck there is air.
 
+mod form;
+mod ramps;
+
+use self::form::Form;
 use super::Params;
 use super::land::Land;
 use super::layout::{Grid, Line};
@@ -38,8 +42,6 @@ const DECK_M: f64 = 1.8;
 const BARRIER_M: f64 = 0.82;
 /// Heights of the four decks above the ground, m: 7.4 m apart.
 pub(super) const LEVELS_M: [f64; 4] = [6.8, 14.2, 21.6, 29.0];
-/// Ramps leave and join at this distance from the freeway's middle, m.
-const BESIDE_M: f64 = HALF_M + RAMP_HALF_M + 0.15;
 /// The freeways end this far from the crossing, m.
 const REACH_M: f64 = 2280.0;
 /// Points along a line stand this far apart, m.
@@ -84,13 +86,6 @@ fn smooth(t: f64) -> f64 {
 fn freeway_m(upper: bool, s: f64) -> f64 {
     let rise = LEVELS_M[1] - LEVELS_M[0];
     LEVELS_M[0] + if upper { rise * (1.0 - smooth((s.abs() - 75.0) / 230.0)) } else { 0.0 }
-}
-
-/// A place by its distance along and to the left of freeway `upper`, sheet; the crossing is at `centre`.
-fn place(centre: DVec2, upper: bool, s: f64, left: f64) -> DVec2 {
-    // The lower one runs north, the upper one west.
-    let along = if upper { -DVec2::X } else { DVec2::Y };
-    centre + along * s + along.perp() * left
 }
 
 struct Sweep<'a> {
@@ -206,14 +201,16 @@ impl<'a> Sweep<'a> {
 /// The interchange at the crossing of the two freeways.
 pub(super) fn plan(params: &Params, grid: &Grid, land: &Land, city: &SeedPath) -> Interchange {
     let mut out = Interchange::default();
-    let centre = DVec2::new(grid.position(0, 0), grid.position(1, 0));
     let key = city.child("interchange");
+    let form = Form::new(DVec2::new(grid.position(0, 0), grid.position(1, 0)), &key);
     for upper in [false, true] {
-        freeway(params, grid, land, centre, upper, &key, &mut out);
+        freeway(params, grid, land, &form, upper, &key, &mut out);
     }
-    for quarter in 0..4_u32 {
-        left_ramp(params, land, centre, quarter, &key, &mut out);
-        right_ramp(params, land, centre, quarter, &key, &mut out);
+    let streets = [false, true].map(|upper| streets(grid, &form, upper));
+    for quarter in 0..4 {
+        for turn in [ramps::left(&form, quarter), ramps::right(&form, quarter)] {
+            ramps::build(params, land, &form, &streets, quarter, &turn, &key, &mut out);
+        }
     }
     out
 }
@@ -221,11 +218,25 @@ pub(super) fn plan(params: &Params, grid: &Grid, land: &Land, city: &SeedPath) -
 /// Half of the open stretch around the crossing, m.
 const VIADUCT_M: [f64; 2] = [70.0, 105.0];
 
+/// Stretches of a freeway, by the distance along, under which streets run.
+fn streets(grid: &Grid, form: &Form, upper: bool) -> Vec<[f64; 2]> {
+    let along = form.along(upper);
+    let axis = usize::from(along.y.abs() > 0.5);
+    grid.numbers(axis, REACH_M)
+        .filter(|k| grid.kind(axis, *k) != Line::Freeway)
+        .map(|k| {
+            let s = along[axis] * (grid.position(axis, k) - form.centre[axis]);
+            let half = grid.kind(axis, k).half_row_m() + 5.0;
+            [s - half, s + half]
+        })
+        .collect()
+}
+
 fn freeway(
     params: &Params,
     grid: &Grid,
     land: &Land,
-    centre: DVec2,
+    form: &Form,
     upper: bool,
     key: &SeedPath,
     out: &mut Interchange,
@@ -236,7 +247,7 @@ fn freeway(
     let s_of = |k: i64| -REACH_M + k as f64 * STEP_M;
     let posts = (0..=count)
         .map(|k| Post {
-            flat: place(centre, upper, s_of(k), 0.0),
+            flat: form.beside(upper, s_of(k), 0.0),
             above_m: freeway_m(upper, s_of(k)),
             barrier_m: BARRIER_M,
         })
@@ -250,16 +261,8 @@ fn freeway(
     sweep.solid(&mut b, 0, n, &median, &[slot::CONCRETE; 4]);
     out.decks.push(sweep.outline(0, n, HALF_M));
     // Lines that cross under it, and the crossing itself.
-    let axis = usize::from(!upper);
-    let sign = if upper { -1.0 } else { 1.0 };
-    let mut gaps = vec![[-VIADUCT_M[usize::from(upper)], VIADUCT_M[usize::from(upper)]]];
-    for k in grid.numbers(axis, REACH_M) {
-        if grid.kind(axis, k) != Line::Freeway {
-            let s = sign * (grid.position(axis, k) - centre[axis]);
-            let half = grid.kind(axis, k).half_row_m() + 5.0;
-            gaps.push([s - half, s + half]);
-        }
-    }
+    let mut gaps = streets(grid, form, upper);
+    gaps.push([-VIADUCT_M[usize::from(upper)], VIADUCT_M[usize::from(upper)]]);
     gaps.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let index = |s: f64| (((s + REACH_M) / STEP_M).round().max(0.0) as usize).min(n);
     let mut from = 0;
@@ -303,11 +306,11 @@ fn freeway(
             );
         }
     }
-    verge(params, land, centre, upper, &key, out);
+    verge(params, land, form, upper, &key, out);
 }
 
 /// Shrubs and a few trees along the foot of the embankments.
-fn verge(params: &Params, land: &Land, centre: DVec2, upper: bool, key: &SeedPath, out: &mut Interchange) {
+fn verge(params: &Params, land: &Land, form: &Form, upper: bool, key: &SeedPath, out: &mut Interchange) {
     let mut rng = key.child("verge").rng();
     let mut s = -REACH_M;
     while s < REACH_M {
@@ -316,7 +319,7 @@ fn verge(params: &Params, land: &Land, centre: DVec2, upper: bool, key: &SeedPat
                 let tree = rng.chance(0.3);
                 let left = side * rng.range(39.0, 44.5);
                 let plant = if tree { Plant::Broad } else { Plant::Shrub };
-                let flat = place(centre, upper, s + rng.signed() * 2.0, left);
+                let flat = form.beside(upper, s + rng.signed() * 2.0, left);
                 let size = if tree { rng.range(0.6, 1.2) } else { rng.range(0.9, 2.2) };
                 out.plants.push(Planted { at: land.world(flat), plant, size });
             }
@@ -351,147 +354,4 @@ fn traffic(
         }
         s += size + 5.0 - libm::log(1.0 - rng.unit()) / per_m;
     }
-}
-
-/// A ramp as posts along a path of the quarter that turns the crossing's frame; x to the right of, y along the freeway
-/// that it leaves.
-#[allow(clippy::too_many_arguments)]
-fn ramp(
-    params: &Params,
-    land: &Land,
-    centre: DVec2,
-    quarter: u32,
-    path: &[DVec2],
-    above: &dyn Fn(f64) -> f64,
-    name: &str,
-    key: &SeedPath,
-    out: &mut Interchange,
-) {
-    let turn = (0..quarter).fold(DVec2::X, |d, _| d.perp());
-    let total: f64 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
-    let mut posts = Vec::with_capacity(path.len());
-    let mut s = 0.0;
-    for (k, p) in path.iter().enumerate() {
-        if k > 0 {
-            s += p.distance(path[k - 1]);
-        }
-        // At its ends it lies under the freeway's surface and has no barriers of its own.
-        let end = s.min(total - s);
-        let free = smooth((end - 62.0) / 14.0);
-        posts.push(Post {
-            flat: centre + turn.rotate(*p),
-            above_m: above(s) - 0.14 * (1.0 - free),
-            barrier_m: 0.02 + (BARRIER_M - 0.02) * free,
-        });
-    }
-    let sweep = Sweep::new(land, posts);
-    let mut b = MeshBuilder::default();
-    let n = path.len() - 1;
-    sweep.deck(&mut b, 0, n, RAMP_HALF_M, slot::RAMP);
-    out.decks.push(sweep.outline(0, n, RAMP_HALF_M));
-    // Low parts stand on earth, high ones on piers.
-    let earthen = |k: usize| sweep.stations[k].3 < 8.6;
-    let mut from = 0;
-    while from < n {
-        let kind = earthen(from);
-        let mut to = from + 1;
-        while to < n && earthen(to) == kind {
-            to += 1;
-        }
-        if kind {
-            sweep.embankment(&mut b, from, to, RAMP_HALF_M - 0.9);
-        } else {
-            out.spans.push(sweep.outline(from, to, RAMP_HALF_M));
-            let bents = ((to - from) as f64 * STEP_M / 36.0).round().max(1.0) as usize;
-            for k in 1..bents {
-                let station = from + (to - from) * k / bents;
-                let p = path[station];
-                // Not through the freeways below.
-                let near = |x: f64| x.abs() < HALF_M + 2.5;
-                if !near(p.x) && !near(p.y) {
-                    sweep.pier(&mut b, station, 0.0, RAMP_HALF_M - 0.6);
-                }
-            }
-        }
-        from = to;
-    }
-    let name = format!("ramp/{name}/{quarter}");
-    let key = key.child(&name);
-    out.pieces.push((name, b.finish()));
-    for (l, left) in [0.8].into_iter().enumerate() {
-        traffic(params, &sweep, left, 1.0, &key.child("lane").index(l as u64), [6.0, 18.0], out);
-    }
-}
-
-/// A polyline divided into pieces of about [`STEP_M`].
-fn divided(points: &[DVec2]) -> Vec<DVec2> {
-    let mut out = Vec::new();
-    for w in points.windows(2) {
-        let n = libm::ceil(w[0].distance(w[1]) / STEP_M).max(1.0) as usize;
-        out.extend((0..n).map(|k| w[0].lerp(w[1], k as f64 / n as f64)));
-    }
-    out.extend(points.last());
-    out
-}
-
-fn arc(centre: DVec2, radius: f64, from_rad: f64, to_rad: f64) -> Vec<DVec2> {
-    let n = libm::ceil((to_rad - from_rad).abs() * radius / STEP_M) as usize;
-    (0..=n)
-        .map(|k| {
-            let (s, c) = libm::sincos(from_rad + (to_rad - from_rad) * k as f64 / n as f64);
-            centre + DVec2::new(c, s) * radius
-        })
-        .collect()
-}
-
-/// From one freeway over both to the left of it.
-fn left_ramp(params: &Params, land: &Land, centre: DVec2, quarter: u32, key: &SeedPath, out: &mut Interchange) {
-    let top = LEVELS_M[2 + (quarter % 2) as usize];
-    let run = if quarter.is_multiple_of(2) { 400.0 } else { 480.0 };
-    let r = 135.0;
-    let x = BESIDE_M;
-    let mut path =
-        divided(&[DVec2::new(HALF_M - RAMP_HALF_M - 0.4, -run - 70.0), DVec2::new(x, -run), DVec2::new(x, x - r)]);
-    path.pop();
-    path.extend(arc(DVec2::new(x - r, x - r), r, 0.0, core::f64::consts::FRAC_PI_2));
-    path.pop();
-    path.extend(divided(&[
-        DVec2::new(x - r, x),
-        DVec2::new(-run, x),
-        DVec2::new(-run - 70.0, HALF_M - RAMP_HALF_M - 0.4),
-    ]));
-    let total: f64 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
-    // Quarters 0 and 2 leave the lower freeway for the upper one, the others the other way.
-    let leaves_upper = quarter % 2 == 1;
-    let distance = |s: f64| run + 70.0 - s;
-    let above = |s: f64| {
-        let climb = run + x - r;
-        let end = s.min(total - s);
-        let t = smooth((end - 75.0) / (climb - 5.0));
-        let upper = if s < total / 2.0 { leaves_upper } else { !leaves_upper };
-        let base = freeway_m(upper, distance(end));
-        base + (top - base) * t
-    };
-    ramp(params, land, centre, quarter, &path, &above, "left", key, out);
-}
-
-/// From one freeway to the right of it, low and outside of all.
-fn right_ramp(params: &Params, land: &Land, centre: DVec2, quarter: u32, key: &SeedPath, out: &mut Interchange) {
-    let x = BESIDE_M + 2.0 * RAMP_HALF_M + 1.2;
-    let r = 150.0;
-    let run = 330.0;
-    let mut path = divided(&[DVec2::new(BESIDE_M, -run - 80.0), DVec2::new(x, -run), DVec2::new(x, -x - r)]);
-    path.pop();
-    path.extend(arc(DVec2::new(x + r, -x - r), r, core::f64::consts::PI, core::f64::consts::FRAC_PI_2));
-    path.pop();
-    path.extend(divided(&[DVec2::new(x + r, -x), DVec2::new(run, -x), DVec2::new(run + 80.0, -BESIDE_M)]));
-    let total: f64 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
-    let leaves_upper = quarter % 2 == 1;
-    let above = |s: f64| {
-        let end = s.min(total - s);
-        let upper = if s < total / 2.0 { leaves_upper } else { !leaves_upper };
-        let base = freeway_m(upper, run + 80.0 - end);
-        base + (3.4 - base) * smooth((end - 90.0) / 220.0)
-    };
-    ramp(params, land, centre, quarter, &path, &above, "right", key, out);
 }
