@@ -176,7 +176,10 @@ impl MeshBuilder {
         let mut u = 0.0;
         for i in 0..lower.len() {
             let j = (i + 1) % lower.len();
-            debug_assert!((lower[j] - lower[i]).dot(upper[j] - upper[i]) >= 0.0, "an edge that turns around on its way up");
+            debug_assert!(
+                (lower[j] - lower[i]).dot(upper[j] - upper[i]) >= 0.0,
+                "an edge that turns around on its way up"
+            );
             let w = lower[i].distance(lower[j]);
             let h = high_m - low_m;
             self.fan(

@@ -35,7 +35,7 @@ impl Form {
     pub(super) fn new(centre: DVec2, key: &SeedPath) -> Self {
         let mut rng = key.child("form").rng();
         let turn = if rng.chance(0.5) { DVec2::X } else { DVec2::Y };
-        let lean = [rng.signed() * 0.21, rng.signed() * 0.21];
+        let lean = [rng.signed() * 0.14, rng.signed() * 0.14];
         // One pair of opposite quarters bends below the other pair.
         let high = rng.below(2) as usize;
         // Bends of opposite quarters pass each other on one level: they stay apart from 110 m on.

@@ -140,14 +140,28 @@ impl<'a> Sweep<'a> {
         self.solid(b, from, to, &section, &[c, c, c, c, c, surface, c, c, c, c]);
     }
 
-    /// An embankment under a deck, its top hidden inside the deck.
+    /// An embankment under a deck, its top hidden inside the deck. Beyond its ends it slopes down below what goes on.
     fn embankment(&self, b: &mut MeshBuilder, from: usize, to: usize, half: f64) {
+        const FALL: f64 = 1.0 / 1.5;
+        let beyond = |k: usize| STEP_M * (from.saturating_sub(k) + k.saturating_sub(to)) as f64;
+        // Height of the earth above the ground.
+        let earth_m = |k: usize| (self.stations[k].3 - 0.9 - FALL * beyond(k)).max(-0.4);
+        let last = self.stations.len() - 1;
+        let (mut first, mut end) = (from, to);
+        while first > 0 && earth_m(first) > -0.4 {
+            first -= 1;
+        }
+        while end < last && earth_m(end) > -0.4 {
+            end += 1;
+        }
         let section = |k: usize| {
-            let h = self.stations[k].3;
-            let foot = half + 2.0 * (h + 0.6);
-            [(-foot, -h - 0.6), (foot, -h - 0.6), (half, -0.9), (-half, -0.9)].map(|(x, y)| DVec2::new(x, y)).to_vec()
+            let (h, earth) = (self.stations[k].3, earth_m(k));
+            let foot = half + 2.0 * (earth + 1.5);
+            [(-foot, -h - 0.6), (foot, -h - 0.6), (half, earth - h), (-half, earth - h)]
+                .map(|(x, y)| DVec2::new(x, y))
+                .to_vec()
         };
-        self.solid(b, from, to, &section, &[slot::SLOPE; 4]);
+        self.solid(b, first, end, &section, &[slot::SLOPE; 4]);
     }
 
     /// Outline of a stretch, world.
@@ -216,7 +230,7 @@ pub(super) fn plan(params: &Params, grid: &Grid, land: &Land, city: &SeedPath) -
 }
 
 /// Half of the open stretch around the crossing, m.
-const VIADUCT_M: [f64; 2] = [70.0, 105.0];
+const VIADUCT_M: [f64; 2] = [70.0, 92.0];
 
 /// Stretches of a freeway, by the distance along, under which streets run.
 fn streets(grid: &Grid, form: &Form, upper: bool) -> Vec<[f64; 2]> {
@@ -226,21 +240,14 @@ fn streets(grid: &Grid, form: &Form, upper: bool) -> Vec<[f64; 2]> {
         .filter(|k| grid.kind(axis, *k) != Line::Freeway)
         .map(|k| {
             let s = along[axis] * (grid.position(axis, k) - form.centre[axis]);
-            let half = grid.kind(axis, k).half_row_m() + 5.0;
+            // The embankments slope down beside the street.
+            let half = grid.kind(axis, k).half_row_m() + 12.0;
             [s - half, s + half]
         })
         .collect()
 }
 
-fn freeway(
-    params: &Params,
-    grid: &Grid,
-    land: &Land,
-    form: &Form,
-    upper: bool,
-    key: &SeedPath,
-    out: &mut Interchange,
-) {
+fn freeway(params: &Params, grid: &Grid, land: &Land, form: &Form, upper: bool, key: &SeedPath, out: &mut Interchange) {
     let name = if upper { "upper" } else { "lower" };
     let key = key.child(name);
     let count = (2.0 * REACH_M / STEP_M) as i64;

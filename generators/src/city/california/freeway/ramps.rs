@@ -2,7 +2,8 @@
 
 use super::form::{Form, Left};
 use super::{
-    BARRIER_M, HALF_M, Interchange, LEVELS_M, Post, RAMP_HALF_M, STEP_M, Sweep, freeway_m, slot, smooth, traffic,
+    BARRIER_M, HALF_M, Interchange, LEVELS_M, Post, RAMP_HALF_M, STEP_M, Sweep, VIADUCT_M, freeway_m, slot, smooth,
+    traffic,
 };
 use crate::city::california::Params;
 use crate::city::california::land::Land;
@@ -18,8 +19,6 @@ const INSIDE_M: f64 = HALF_M - RAMP_HALF_M - 0.4;
 
 /// Half width of the land along a freeway, m.
 const STRIP_M: f64 = 52.0;
-/// From here on outward ramps lie at their freeway's height, m: streets pass below.
-const LEVEL_FROM_M: f64 = 290.0;
 
 /// A way from one freeway to the other, in the quarter's own frame: x to the right of, y along the freeway that it leaves.
 pub(super) struct Turn {
@@ -100,7 +99,16 @@ pub(super) fn build(
     sweep.deck(&mut b, 0, n, RAMP_HALF_M, slot::RAMP);
     out.decks.push(sweep.outline(0, n, RAMP_HALF_M));
     // Low parts stand on earth, high ones on piers, and streets pass through.
-    let earthen = |k: usize| sweep.stations[k].3 < 8.6 && !over_street(streets, path[k]);
+    let earthen = |k: usize| {
+        let (p, above) = (path[k], sweep.stations[k].3);
+        // Beside a freeway's embankment, at its height, it shares that.
+        let shares = [(false, p.x, p.y), (true, p.y, p.x)].into_iter().any(|(upper, across, along)| {
+            across.abs() < STRIP_M
+                && along.abs() > VIADUCT_M[usize::from(upper)]
+                && (above - freeway_m(upper, along)).abs() < 0.5
+        });
+        (above < 8.6 || shares) && !over_street(streets, p)
+    };
     let mut from = 0;
     while from < n {
         let kind = earthen(from);
@@ -195,19 +203,18 @@ pub(super) fn right(form: &Form, quarter: usize) -> Turn {
     let x = BESIDE_M + 2.0 * RAMP_HALF_M + 1.2;
     let r = form.right_m[quarter];
     // It parts before, and joins after, the left turns that run beside the same freeways.
-    let [from, to] = [quarter, (quarter + 2) % 4].map(|q| (form.beside_m(q) + 75.0).max(x + r + 1.0).max(LEVEL_FROM_M));
-    let mut path =
-        divided(&[DVec2::new(INSIDE_M, -from - TAPER_M), DVec2::new(x, -from), DVec2::new(x, -x - r)]);
+    let [from, to] = [quarter, (quarter + 2) % 4].map(|q| (form.beside_m(q) + 75.0).max(x + r + 80.0));
+    let mut path = divided(&[DVec2::new(INSIDE_M, -from - TAPER_M), DVec2::new(x, -from), DVec2::new(x, -x - r)]);
     path.pop();
     path.extend(arc(DVec2::new(x + r, -x - r), r, PI, FRAC_PI_2));
     path.extend(divided(&[DVec2::new(x + r, -x), DVec2::new(to, -x), DVec2::new(to + TAPER_M, -INSIDE_M)]));
     let leaves_upper = quarter % 2 == 1;
     Turn::new("right", path, move |s, total| {
-        let (run, end, upper) =
-            if s < total / 2.0 { (from, s, leaves_upper) } else { (to, total - s, !leaves_upper) };
+        let (run, end, upper) = if s < total / 2.0 { (from, s, leaves_upper) } else { (to, total - s, !leaves_upper) };
         let along = run + TAPER_M - end;
         let base = freeway_m(upper, along);
-        base + (3.4 - base) * smooth((LEVEL_FROM_M - along) / 150.0)
+        // Only where it turns away: beside the freeway it would lie in that one's embankment, and streets pass below.
+        base + (3.4 - base) * smooth((x + r - along) / (0.7 * r))
     })
 }
 
@@ -233,9 +240,7 @@ mod tests {
         const APART_M: f64 = super::super::DECK_M + 4.7;
         for seed in 0..200 {
             let form = Form::new(DVec2::ZERO, &SeedPath::root("interchange", seed));
-            let ways: Vec<_> = (0..4)
-                .flat_map(|q| [points(&left(&form, q), q), points(&right(&form, q), q)])
-                .collect();
+            let ways: Vec<_> = (0..4).flat_map(|q| [points(&left(&form, q), q), points(&right(&form, q), q)]).collect();
             for (w, way) in ways.iter().enumerate() {
                 for &(p, above, end) in way {
                     for (upper, across, along) in [(false, p.x, p.y), (true, p.y, p.x)] {

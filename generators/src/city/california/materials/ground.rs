@@ -78,7 +78,7 @@ pub(super) fn materials(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     }
     put(slot::DRIVE[4], pavers("red pavers", bgr(0.1, 0.13, 0.19), seed("drive", 4)));
     put(slot::DRIVE[5], pavers("grey pavers", bgr(0.15, 0.17, 0.185), seed("drive", 5)));
-    let water = [bgr(0.3, 0.38, 0.17), bgr(0.3, 0.33, 0.12), bgr(0.24, 0.33, 0.15), bgr(0.07, 0.13, 0.07)];
+    let water = [bgr(0.37, 0.35, 0.15), bgr(0.34, 0.31, 0.11), bgr(0.3, 0.32, 0.13), bgr(0.07, 0.13, 0.07)];
     for (k, base) in water.into_iter().enumerate() {
         let s = seed("pool", k as u64);
         let mut m =

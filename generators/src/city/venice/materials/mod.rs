@@ -188,7 +188,7 @@ impl Materials {
             let m = self.add(tiles(&format!("tiles {n}"), bgr(b, g, r), age, k, s));
             self.roofs.push(m);
             let m =
-                Material::diffuse(&format!("ridge {n}"), Class::Roof, bgr(b, g, r).lerp(bgr(0.2, 0.22, 0.25), 0.35));
+                Material::diffuse(&format!("ridge {n}"), Class::Roof, bgr(b, g, r).lerp(bgr(0.2, 0.22, 0.25), 0.18));
             let m = self.add(aged(m, s ^ 5, 0.15 * k, 0.15 * k));
             self.ridges.push(m);
         }
