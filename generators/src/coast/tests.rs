@@ -1,6 +1,6 @@
 use super::*;
 use crate::Region;
-use crate::kit::checks::{assert_between, assert_closed, assert_rises, assert_rooted};
+use crate::kit::checks::{assert_between, assert_closed, assert_rises, assert_rooted, terrain};
 use satseed_scene::{Bands, Material, SurfacePoint};
 use std::sync::OnceLock;
 
@@ -139,6 +139,16 @@ fn five_seeds_of_each_variant_pass_the_table() {
     for text in texts {
         eprintln!("{text}");
     }
+}
+
+/// The sea wears a notch into cliffs' feet: ground that faces down, at the height of storms' waves.
+#[test]
+fn cliffs_have_a_notch() {
+    let down = |t: &[DVec3; 3]| (t[2] - t[0]).truncate().perp_dot((t[1] - t[0]).truncate()) / 2.0;
+    let roofs: Vec<[DVec3; 3]> = terrain(small()).filter(|t| down(t) > 0.0).collect();
+    let area_m2: f64 = roofs.iter().map(down).sum();
+    assert!(area_m2 > 60.0, "{area_m2} square metres hang over");
+    assert!(roofs.iter().flatten().all(|p| (1.0..5.5).contains(&p.z)), "elsewhere than at the foot");
 }
 
 /// Crests turn with the contours of the bottom: near the shore they run along it, whatever way the swell came.
