@@ -132,7 +132,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         full_detail_radius_m: params.radius_m,
         ..Scene::default()
     };
-    let notch = relief.cliffs.then(|| Notch::new(&relief.shore, &path.child("notch")));
+    let notch = relief.cliffs.then(|| Notch::new(&relief.shore, window_half_m, &path.child("notch")));
     let finished = |tile| {
         let mut mesh = dressed(&tile, &relief);
         if let Some(notch) = &notch {

@@ -19,12 +19,17 @@ pub(super) struct Notch<'a> {
     /// Away from the sea.
     inward: Inward,
     seed: u32,
+    /// Half the side of the square of full detail, m.
+    detail_half_m: f64,
 }
 
+/// How far beyond the full detail the notch ends, m: the world's own border stays straight.
+const FADE_M: f64 = 60.0;
+
 impl<'a> Notch<'a> {
-    pub(super) fn new(shore: &'a Shore, path: &SeedPath) -> Self {
+    pub(super) fn new(shore: &'a Shore, detail_half_m: f64, path: &SeedPath) -> Self {
         let inward = Inward::new(&blurred(shore.inland().clone(), 2), |_, _| 1.0);
-        Self { shore, inward, seed: path.hash_u32() }
+        Self { shore, inward, seed: path.hash_u32(), detail_half_m }
     }
 }
 
@@ -38,7 +43,8 @@ impl Undercut for Notch<'_> {
         // Rock alone, and no farther from the sea than its waves throw stones.
         let here = smoothstep(0.45, 0.15, place.sandy)
             * smoothstep(-5.0, 2.0, place.inland_m)
-            * smoothstep(32.0, 20.0, place.inland_m);
+            * smoothstep(32.0, 20.0, place.inland_m)
+            * smoothstep(self.detail_half_m + FADE_M, self.detail_half_m, plan.abs().max_element());
         if here == 0.0 {
             return DVec2::ZERO;
         }

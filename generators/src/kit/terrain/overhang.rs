@@ -234,7 +234,7 @@ mod tests {
         struct Lean;
         impl Undercut for Lean {
             fn shift_m(&self, p: DVec3) -> DVec2 {
-                DVec2::new(-0.3 * p.z, 0.0)
+                DVec2::new(-0.1 - 0.3 * p.z, 0.0)
             }
         }
         let mut mesh = wall(0.0, 4.0);
