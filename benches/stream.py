@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How many crops a second and core `StereoStream` makes, scene building included, region by region.
 
-    python benches/stream.py [--scenes 2] [--pairs-per-scene 16] [--set KEY=VALUE ...] [--json FILE]
+    python benches/stream.py [--scenes 2] [--pairs-per-scene 64] [--set KEY=VALUE ...] [--json FILE]
 
 One thread. CPU seconds of this process, so that other work on the machine does not count; the mix gives every region as many
 crops as any other. The summary is in crops a second of CPU time, which is what a core gives when nothing else wants it.
@@ -19,7 +19,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--regions", nargs="*", default=satseed.REGIONS)
     parser.add_argument("--scenes", type=int, default=2, help="scenes of each region")
-    parser.add_argument("--pairs-per-scene", type=int, default=16)
+    parser.add_argument("--pairs-per-scene", type=int, default=64)
     parser.add_argument("--set", nargs="*", default=[], metavar="KEY=VALUE")
     parser.add_argument("--json")
     a = parser.parse_args()

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 use satseed::camera::Camera;
 use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
-use satseed_generators::city::{california, venice};
+use satseed_generators::city::{california, toronto, venice};
 use satseed_generators::{Region, coast, desert, field, forest};
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
@@ -50,6 +50,10 @@ fn main() -> anyhow::Result<()> {
                     use california::Variant::{Downtown, Hill, Interchange, Lowrise, Suburb, Waterfront};
                     p.variant = [Suburb, Downtown, Interchange, Hill, Waterfront, Lowrise][seed as usize % 6];
                 }
+                Region::Toronto(p) => {
+                    use toronto::Variant::{Core, Midtown, Rail, Slabs};
+                    p.variant = [Slabs, Core, Rail, Midtown][seed as usize % 4];
+                }
                 Region::Venice(p) => {
                     use venice::Variant::{Canal, Dense};
                     p.variant = [Dense, Canal][seed as usize % 2];
@@ -58,7 +62,7 @@ fn main() -> anyhow::Result<()> {
                     use field::Variant::{European, Pivot};
                     p.variant = [European, European, Pivot][turn];
                 }
-                _ => {}
+                Region::Canyon(_) => {}
             }
             let scene = region.build(seed);
             scene.validate()?;

@@ -5,6 +5,7 @@ mod support;
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 use satseed_generators::Region;
+use satseed_generators::city::toronto;
 use satseed_generators::kit::buildings::{self, BuildingPlan, Detail, Facade, Mass, Roof};
 use satseed_scene::{Brdf, Class, Ray, Scene, SeedPath};
 use satseed_tracer::Tracer;
@@ -182,6 +183,16 @@ fn reduced_regions_are_whole() {
     for name in Region::NAMES {
         let scene = reduced(name, 80.0).build(23);
         prove(name, &scene, 300);
+    }
+}
+
+/// Towers in lawns, and a cutting with bridges over it: other solids than the core's.
+#[test]
+fn estates_and_rail_corridors_are_whole() {
+    for variant in [toronto::Variant::Slabs, toronto::Variant::Rail] {
+        let Region::Toronto(p) = reduced("toronto", 80.0) else { unreachable!("asked for by name") };
+        let scene = Region::Toronto(toronto::Params { variant, ..p }).build(23);
+        prove(&format!("{variant:?}"), &scene, 300);
     }
 }
 

@@ -48,8 +48,12 @@ fn baselines_and_azimuths_are_the_published_ones() {
         all.extend(draws);
     }
     assert_eq!(different.len(), 25, "each pivot draws its own");
-    let variants: Vec<_> =
-        plan.scenes.iter().filter(|s| s.region.name() == "california").map(|s| s.region.variant()).collect();
+    let variants = |region: &str| -> Vec<&str> {
+        plan.scenes.iter().filter(|s| s.region.name() == region).map(|s| s.region.variant()).collect()
+    };
+    let count = |variant: &str| variants("toronto").into_iter().filter(|v| *v == variant).count();
+    assert_eq!(["core", "slabs", "rail"].map(count), [6, 2, 2]);
+    let variants = variants("california");
     for variant in ["downtown", "lowrise", "suburb", "hill", "waterfront"] {
         assert!(variants.contains(&variant), "{variant} in {variants:?}");
     }

@@ -110,8 +110,9 @@ def _set(changes: Mapping[str, Any] | Sequence[str] | None) -> list[str]:
         return []
     if isinstance(changes, str):
         raise RecipeError(f"set is a mapping or a list of key=value, such as {{'camera.gsd_m': 0.5}}, but {changes!r} is one text")
-    if hasattr(changes, "items"):
-        return [f"{_key(key)}={_toml(value)}" for key, value in changes.items()]
+    items = getattr(changes, "items", None)
+    if items is not None:
+        return [f"{_key(key)}={_toml(value)}" for key, value in items()]
     if not isinstance(changes, Sequence):
         raise RecipeError(f"set is a mapping or a list of key=value, such as {{'camera.gsd_m': 0.5}}, but {changes!r} is neither")
     for line in changes:

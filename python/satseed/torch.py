@@ -80,7 +80,7 @@ class StereoStream(IterableDataset):
         samples: int | None = None,
         epoch: int = 0,
         start: int = 0,
-        pairs_per_scene: int = 32,
+        pairs_per_scene: int = 64,
         set: Mapping[str, Any] | Callable[[int], Mapping[str, Any]] | None = None,
         rank: int = 0,
         world_size: int = 1,

@@ -6,6 +6,7 @@
 mod arrays;
 mod background;
 mod dataset;
+mod pool;
 mod scene;
 
 use pyo3::create_exception;

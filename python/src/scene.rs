@@ -1,8 +1,9 @@
 //! Scenes that are built once and traced as often as one likes.
 
+use crate::pool::Lease;
 use crate::{GenerateError, RecipeError, arrays, background, recipe};
 use pyo3::prelude::*;
-use satseed::pipeline::{BuiltScene, PipelineError, build_scene, make_sample, thread_pool};
+use satseed::pipeline::{BuiltScene, PipelineError, build_scene, make_sample};
 use satseed::plan::{Plan, PlanError, SceneSpec, scenes};
 use satseed::recipe::{Datum, Recipe};
 use self_cell::self_cell;
@@ -27,7 +28,7 @@ self_cell!(
 #[pyclass(frozen, module = "satseed._native")]
 pub(crate) struct Scene {
     kept: Arc<Kept>,
-    pool: Arc<rayon::ThreadPool>,
+    threads: Lease,
     name: String,
     radius_m: f64,
     pairs: Vec<String>,
@@ -59,12 +60,12 @@ impl Scene {
             spec = cropped(&recipe, spec)?;
             spec.check_frames(&recipe).map_err(refused)?;
         }
-        let pool = Arc::new(thread_pool(threads).map_err(|e| failed(&e))?);
+        let threads = Lease::new(threads).map_err(|e| failed(&e))?;
         let (name, pairs) = (spec.name.clone(), spec.pairs.iter().map(|p| p.id.clone()).collect());
         let radius_m = spec.region.full_detail_radius_m();
-        let builder = Arc::clone(&pool);
+        let builder = Arc::clone(&threads.pool);
         let kept = background::run(py, move || builder.install(|| build(recipe, spec)))?.map_err(|e| failed(&e))?;
-        Ok(Self { kept: Arc::new(kept), pool, name, radius_m, pairs })
+        Ok(Self { kept: Arc::new(kept), threads, name, radius_m, pairs })
     }
 
     /// The scene's name, its folder in a dataset.
@@ -93,7 +94,7 @@ impl Scene {
                 "scene {name} has {count} pairs, so there is none of index {pair}"
             )));
         }
-        let (kept, pool) = (Arc::clone(&self.kept), Arc::clone(&self.pool));
+        let (kept, pool) = (Arc::clone(&self.kept), Arc::clone(&self.threads.pool));
         let made = background::run(py, move || {
             let mut made =
                 pool.install(|| make_sample(kept.borrow_dependent(), &kept.borrow_owner().spec.pairs[pair]))?;

@@ -14,6 +14,8 @@ pub struct Measured {
     pub radius_m: f64,
     /// A scene's own: generator, trees, surface models, its files; s.
     pub scene_s: f64,
+    /// The light that all views of a scene share, worked out once for each square metre of a frame, s.
+    pub light_s_per_m2: f64,
     /// Labels and files of a pair for each megapixel of one of its views, s.
     pub labels_s_per_mpx: f64,
     /// Images for each million samples (pixels times samples a pixel) of a view, s.
@@ -22,7 +24,7 @@ pub struct Measured {
 
 /// How [`TABLE`] was measured: said wherever its numbers are printed.
 pub const HOW_MEASURED: &str =
-    "Intel Xeon of 2 cores busy with other work, 23 November 2026, release build, processor time";
+    "AMD EPYC of 2 cores busy with other work (scenes: Intel Xeon), 23 November 2026, release build, processor time";
 
 /// Measured as [`HOW_MEASURED`] says; docs/cluster.md tells the command.
 pub const TABLE: &[Measured] = &[
@@ -30,16 +32,66 @@ pub const TABLE: &[Measured] = &[
         region: "california",
         radius_m: 700.0,
         scene_s: 27.4,
-        labels_s_per_mpx: 0.93,
-        render_s_per_msample: 1.20,
+        light_s_per_m2: 0.000378,
+        labels_s_per_mpx: 1.07,
+        render_s_per_msample: 0.969,
     },
-    Measured { region: "canyon", radius_m: 700.0, scene_s: 35.9, labels_s_per_mpx: 0.90, render_s_per_msample: 1.25 },
-    Measured { region: "coast", radius_m: 700.0, scene_s: 37.9, labels_s_per_mpx: 0.78, render_s_per_msample: 0.70 },
-    Measured { region: "desert", radius_m: 700.0, scene_s: 28.2, labels_s_per_mpx: 0.51, render_s_per_msample: 0.44 },
-    Measured { region: "field", radius_m: 700.0, scene_s: 29.5, labels_s_per_mpx: 0.72, render_s_per_msample: 0.79 },
-    Measured { region: "forest", radius_m: 700.0, scene_s: 83.6, labels_s_per_mpx: 4.71, render_s_per_msample: 5.33 },
-    Measured { region: "toronto", radius_m: 700.0, scene_s: 19.1, labels_s_per_mpx: 0.67, render_s_per_msample: 1.16 },
-    Measured { region: "venice", radius_m: 700.0, scene_s: 11.3, labels_s_per_mpx: 0.80, render_s_per_msample: 1.09 },
+    Measured {
+        region: "canyon",
+        radius_m: 700.0,
+        scene_s: 35.9,
+        light_s_per_m2: 0.000411,
+        labels_s_per_mpx: 0.91,
+        render_s_per_msample: 0.94,
+    },
+    Measured {
+        region: "coast",
+        radius_m: 700.0,
+        scene_s: 37.9,
+        light_s_per_m2: 0.000112,
+        labels_s_per_mpx: 0.78,
+        render_s_per_msample: 0.608,
+    },
+    Measured {
+        region: "desert",
+        radius_m: 700.0,
+        scene_s: 28.2,
+        light_s_per_m2: 0.000004,
+        labels_s_per_mpx: 0.57,
+        render_s_per_msample: 0.481,
+    },
+    Measured {
+        region: "field",
+        radius_m: 700.0,
+        scene_s: 29.5,
+        light_s_per_m2: 0.000087,
+        labels_s_per_mpx: 0.72,
+        render_s_per_msample: 0.659,
+    },
+    Measured {
+        region: "forest",
+        radius_m: 700.0,
+        scene_s: 83.6,
+        light_s_per_m2: 0.001269,
+        labels_s_per_mpx: 4.32,
+        render_s_per_msample: 2.594,
+    },
+    Measured {
+        region: "toronto",
+        radius_m: 700.0,
+        scene_s: 19.1,
+        light_s_per_m2: 0.000465,
+        labels_s_per_mpx: 0.68,
+        render_s_per_msample: 0.817,
+    },
+    Measured {
+        region: "venice",
+        radius_m: 700.0,
+        scene_s: 11.3,
+        light_s_per_m2: 0.000300,
+        labels_s_per_mpx: 0.86,
+        render_s_per_msample: 0.908,
+    },
 ];
 
 /// The same units of work for everything: a processor millisecond.
@@ -47,12 +99,13 @@ const MS_PER_S: f64 = 1000.0;
 
 /// What the scenes and pairs of one recipe cost, processor milliseconds of one core.
 ///
-/// A scene is scaled by its area, a pair by its pixels and samples. Regions that are not in the table cost what the
-/// dearest of the table does.
+/// A scene is scaled by its area, its light by that of a frame, a pair by its pixels and samples. Regions that are not in
+/// the table cost what the dearest of the table does.
 #[derive(Clone, Copy, Debug)]
 pub struct Costs {
     megapixels: f64,
     megasamples: f64,
+    frame_m2: f64,
 }
 
 /// What one scene and each of its pairs cost, processor milliseconds of one core; never 0.
@@ -85,7 +138,11 @@ impl Costs {
     /// The costs of a recipe's scenes.
     pub fn of(recipe: &Recipe) -> Self {
         let megapixels = recipe.camera().pixels() as f64 / 1e6;
-        Self { megapixels, megasamples: megapixels * f64::from(recipe.sensor().samples_per_pixel) }
+        Self {
+            megapixels,
+            megasamples: megapixels * f64::from(recipe.sensor().samples_per_pixel),
+            frame_m2: recipe.camera().footprint_m().into_iter().product(),
+        }
     }
 
     /// The cost of a scene.
@@ -94,7 +151,8 @@ impl Costs {
         let scale = spec.region.full_detail_radius_m() / measured.radius_m;
         let view_s = self.megapixels * measured.labels_s_per_mpx + self.megasamples * measured.render_s_per_msample;
         let ms = |seconds: f64| (seconds * MS_PER_S).ceil().max(1.0) as u64;
-        SceneCost { scene_ms: ms(measured.scene_s * scale * scale), pair_ms: ms(2.0 * view_s) }
+        let scene_s = measured.scene_s * scale * scale + measured.light_s_per_m2 * self.frame_m2;
+        SceneCost { scene_ms: ms(scene_s), pair_ms: ms(2.0 * view_s) }
     }
 
     /// What a plan costs region by region, in the order of their first scenes.

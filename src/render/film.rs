@@ -24,6 +24,9 @@ pub(super) struct Radiance {
 /// Most samples of a cell that share what they can: their rays are in memory together.
 const MOST_TOGETHER: u32 = 16;
 
+/// Side of the squares of cells that are traced together: the more rays to the sun there are, the closer some of them lie.
+const TRACED_SIDE: u32 = 2 * TILE_SIDE;
+
 /// How samples are laid over the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Grid {
@@ -52,12 +55,12 @@ pub(super) fn expose(tracer: &Tracer, camera: &Camera, light: &Light, samples: u
     let (width, height) = (camera.width_px, camera.height_px);
     let fine_height = (height * grid.fine) as i32;
     // Each fine row is blurred along itself and decimated at once: what stays is as wide as the image.
-    let tops: Vec<i32> = (-along.reach..fine_height + along.reach).step_by(TILE_SIDE as usize).collect();
+    let tops: Vec<i32> = (-along.reach..fine_height + along.reach).step_by(TRACED_SIDE as usize).collect();
     let bands: Vec<Vec<Vec<Bands>>> = tops
         .into_par_iter()
         .map(|top| {
             let columns = -across.reach..(width * grid.fine) as i32 + across.reach;
-            let rows = top..(top + TILE_SIDE as i32).min(fine_height + along.reach);
+            let rows = top..(top + TRACED_SIDE as i32).min(fine_height + along.reach);
             let blur = |fine: &[Bands]| {
                 (0..width as usize).map(|u| weighted(&across.weights, &fine[u * grid.fine as usize..])).collect()
             };
@@ -101,8 +104,8 @@ fn cells(
     let key = (camera.position_m.x.to_bits() ^ camera.position_m.y.to_bits().rotate_left(17)) as u32
         ^ (camera.position_m.x.to_bits() >> 32) as u32;
     let mut means = vec![Bands::ZERO; columns.len() * rows.len()];
-    for left in columns.clone().step_by(TILE_SIDE as usize) {
-        let tile_columns = TILE_SIDE.min((columns.end - left) as u32);
+    for left in columns.clone().step_by(TRACED_SIDE as usize) {
+        let tile_columns = TRACED_SIDE.min((columns.end - left) as u32);
         let tile: Vec<(i32, i32)> = tile_order(tile_columns, rows.len() as u32)
             .map(|(x, y)| (left + x as i32, rows.start + y as i32))
             .collect();

@@ -1,6 +1,6 @@
 """A program over all of the package, for type checkers alone: what is right passes, and what is wrong is told.
 
-mypy --strict --warn-unused-ignores: each `type: ignore` stands where an error has to be.
+mypy --strict --warn-unused-ignores, and Pyright as python/pyproject.toml has it: each `type: ignore` stands where an error has to be.
 """
 
 import pathlib

@@ -179,9 +179,18 @@ impl<'s> Tracer<'s> {
     fn all<Q: Query, A>(&self, kind: Kind, queries: impl Iterator<Item = Q>, answer: impl Fn(Q) -> A) -> Vec<A> {
         let mut queries: Vec<Q> = queries.collect();
         self.rays[kind as usize].fetch_add(queries.len() as u64, Ordering::Relaxed);
+        // First hits come as a camera's rays lie, narrow enough.
+        let order = if matches!(kind, Kind::First) { None } else { bundle::narrower(&queries) };
+        if let Some(order) = &order {
+            queries = bundle::arrange(queries, order);
+        }
         for bundle in queries.chunks_mut(bundle::MOST) {
             bundle::trace(self.set, &self.trees, bundle);
         }
-        queries.into_iter().map(answer).collect()
+        let answers = queries.into_iter().map(answer).collect();
+        match order {
+            Some(order) => bundle::restore(answers, &order),
+            None => answers,
+        }
     }
 }

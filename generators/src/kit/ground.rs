@@ -6,7 +6,7 @@
 //! cross after quantising; every border is then crisp and every edge has exactly two triangles. Where two blocks touch in a
 //! corner, the kerbs of one of them have a point more on their common upright, so that this holds there too.
 
-use super::polygon;
+use super::{arrange, polygon};
 use glam::DVec2;
 use satseed_scene::{Mesh, quantise_m};
 use spade::handles::{DirectedEdgeHandle, FixedVertexHandle};
@@ -104,6 +104,21 @@ impl<'a> Lookup<'a> {
 
 fn quantised(p: DVec2) -> Point2<f64> {
     Point2::new(f64::from(quantise_m(p.x)), f64::from(quantise_m(p.y)))
+}
+
+/// Longest edge of an outline that was arranged, by the spacing of the ground's own posts: these stand further apart, so that
+/// no edge is divided again. A divided edge would leave the lattice on which the outlines were made to meet.
+const LONGEST: f64 = 0.9;
+
+/// Patches whose outlines cross as they like, made to meet in corners only; for a ground whose `fine_m` is `post_m`.
+pub fn arranged(patches: Vec<Patch>, post_m: f64) -> Vec<Patch> {
+    let outlines: Vec<Vec<DVec2>> = patches.iter().map(|p| polygon::subdivided(&p.outline, LONGEST * post_m)).collect();
+    patches
+        .into_iter()
+        .zip(arrange::arranged(&outlines))
+        .filter(|(_, outline)| outline.len() > 2)
+        .map(|(patch, outline)| Patch { outline, ..patch })
+        .collect()
 }
 
 /// Triangulates a plan over a relief. `height_m` is the height of raised ground at a place in the world.

@@ -14,6 +14,7 @@ pub mod rock;
 pub mod scatter;
 pub mod shrub;
 pub mod streets;
+pub mod sweep;
 pub mod terrain;
 pub mod trees;
 pub mod vehicles;

@@ -19,7 +19,7 @@ mod tests;
 use super::light::Light;
 use block::{Block, Dome};
 use glam::DVec3;
-use lattice::{Corner, Face, Scale};
+use lattice::{BlockKey, Corner, Face, Scale};
 use satseed_scene::Bands;
 use satseed_tracer::Tracer;
 use store::Store;
@@ -73,14 +73,23 @@ impl Ambient {
     /// Irradiance at points, W / (m^2 um); none where the lattice has no answer. Neighbouring points cost least.
     pub(super) fn irradiance(&self, tracer: &Tracer, light: &Light, asks: &[Ask]) -> Vec<Option<Bands>> {
         let corners: Vec<[Corner; 4]> = asks.iter().map(Ask::corners).collect();
-        let mut keys: Vec<_> = corners.iter().flatten().map(|c| c.block).collect();
+        let mut keys: Vec<BlockKey> = Vec::with_capacity(asks.len());
+        for corner in corners.iter().flatten() {
+            // Most corners lie in a block that was asked for just before: sorting all of them costs more than finding out.
+            if !keys.iter().rev().take(4).any(|key| *key == corner.block) {
+                keys.push(corner.block);
+            }
+        }
         keys.sort_unstable();
         keys.dedup();
         let blocks: Vec<Block> =
             keys.iter().map(|key| self.store.get(*key, || Block::new(tracer, light, &self.dome, *key))).collect();
-        let found = |c: &Corner| {
-            let at = keys.binary_search(&c.block).expect("the block of every corner was fetched");
-            blocks[at].node(c.node)
+        let mut last = 0;
+        let mut found = |c: &Corner| {
+            if keys[last] != c.block {
+                last = keys.binary_search(&c.block).expect("the block of every corner was fetched");
+            }
+            blocks[last].node(c.node)
         };
         asks.iter()
             .zip(&corners)

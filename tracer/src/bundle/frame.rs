@@ -251,7 +251,7 @@ impl Frame {
 
 /// Two cross axes and the axis that a direction goes along most.
 #[inline(always)]
-fn axes(direction: DVec3) -> [usize; 3] {
+pub(super) fn axes(direction: DVec3) -> [usize; 3] {
     let z = main_axis(direction);
     [(z + 1) % 3, (z + 2) % 3, z]
 }

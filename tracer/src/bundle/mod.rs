@@ -7,6 +7,7 @@
 //! for single rays. So the answers are those of single rays, bit for bit.
 
 mod frame;
+mod order;
 mod shaft;
 mod walk;
 
@@ -16,6 +17,7 @@ use crate::single;
 use crate::tree::Trees;
 use crate::triangle::{ShearedPacket, ShearedRay};
 use frame::Frame;
+pub(crate) use order::{arrange, narrower, restore};
 use walk::Entry;
 
 const LANES: usize = 16;

@@ -10,6 +10,7 @@ use super::lot::{Plant, Planted};
 use crate::city::toronto::traffic::draw_body;
 use crate::kit::mesh_builder::{MeshBuilder, Wall};
 use crate::kit::polygon;
+use crate::kit::sweep;
 use crate::kit::vehicles::Body;
 use glam::{DVec2, DVec3};
 use satseed_scene::{Mesh, SeedPath};
@@ -111,48 +112,13 @@ impl<'a> Sweep<'a> {
         Self { land, stations, posts }
     }
 
-    /// A solid between two stations: `section` gives offset to the left and height against the surface for each corner,
-    /// counter-clockwise seen by who looks along the line; `slots` those of its edges.
+    /// A solid between two stations.
     fn solid(&self, b: &mut MeshBuilder, from: usize, to: usize, section: &dyn Fn(usize) -> Vec<DVec2>, slots: &[u16]) {
-        let corner = |k: usize, c: DVec2| -> DVec3 {
-            let (p, d, z, _) = self.stations[k];
-            // Offsets are counted to the right here, so that corners seen along the line run counter-clockwise.
-            (p - d.perp() * c.x).extend(z + c.y)
+        let station = |k: usize| {
+            let (at, direction, height_m, _) = self.stations[k];
+            sweep::Station { at, direction, height_m }
         };
-        let mut s = 0.0;
-        for k in from..to {
-            let (near, far) = (section(k), section(k + 1));
-            let length = self.stations[k].0.distance(self.stations[k + 1].0);
-            for i in 0..near.len() {
-                let j = (i + 1) % near.len();
-                let uv = |c: DVec2, s: f64| DVec2::new(s, -c.x);
-                b.fan(
-                    slots[i],
-                    &[
-                        (corner(k, near[i]), uv(near[i], s)),
-                        (corner(k + 1, far[j]), uv(far[j], s + length)),
-                        (corner(k, near[j]), uv(near[j], s)),
-                    ],
-                );
-                b.fan(
-                    slots[i],
-                    &[
-                        (corner(k, near[i]), uv(near[i], s)),
-                        (corner(k + 1, far[i]), uv(far[i], s + length)),
-                        (corner(k + 1, far[j]), uv(far[j], s + length)),
-                    ],
-                );
-            }
-            s += length;
-        }
-        for (k, ahead) in [(from, false), (to, true)] {
-            let outline = section(k);
-            for t in polygon::triangulate(&outline) {
-                let p = t.map(|i| (corner(k, outline[i]), outline[i]));
-                let order = if ahead { [p[0], p[2], p[1]] } else { p };
-                b.fan(slots[0], &order);
-            }
-        }
+        sweep::solid(b, &station, from..=to, section, slots);
     }
 
     /// A deck with its barriers from one station to another.

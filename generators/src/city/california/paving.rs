@@ -1,8 +1,6 @@
 //! What lies on the ground, layer over layer, and the arrangement of it all.
 
-use crate::kit::arrange::arranged;
 use crate::kit::ground::{self, Ground, GroundPlan, Patch};
-use crate::kit::polygon;
 use glam::DVec2;
 
 /// From the lowest to the topmost.
@@ -38,10 +36,6 @@ pub(super) enum Layer {
     Island,
 }
 
-/// Longest edge of an outline when it is handed on, by the spacing of the ground's own posts: these stand further apart, so
-/// that no edge is divided again. A divided edge would leave the lattice on which the outlines were made to meet.
-const LONGEST: f64 = 0.9;
-
 /// Spacing of posts on gentle land, m.
 pub(super) const GENTLE_M: f64 = 20.0;
 
@@ -60,14 +54,7 @@ pub(super) fn ground(
     height_m: &dyn Fn(DVec2) -> f64,
 ) -> Ground {
     layers.sort_by_key(|(layer, _)| *layer);
-    let outlines: Vec<Vec<DVec2>> =
-        layers.iter().map(|(_, p)| polygon::subdivided(&p.outline, LONGEST * post_m)).collect();
-    let patches = layers
-        .into_iter()
-        .zip(arranged(&outlines))
-        .filter(|(_, outline)| outline.len() > 2)
-        .map(|((_, patch), outline)| Patch { outline, ..patch })
-        .collect();
+    let patches = ground::arranged(layers.into_iter().map(|(_, patch)| patch).collect(), post_m);
     let plan = GroundPlan {
         patches,
         background_slot: slots.0,

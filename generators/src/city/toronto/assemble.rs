@@ -2,9 +2,10 @@
 
 use super::blocks::{self, BlockPlan};
 use super::materials::Materials;
+use super::rail::{self, Corridor};
 use super::relief::Swells;
 use super::traffic::{self, Parked, SegmentPlan, draw_body};
-use super::{DETAIL_MARGIN_M, Params, RING_M, ground_slot, streets};
+use super::{DETAIL_MARGIN_M, Params, RING_M, Variant, ground_slot, streets};
 use crate::kit::buildings::{self, Detail};
 use crate::kit::ground::{self, Ground, GroundPlan, Patch};
 use crate::kit::streets::{Block, Segment};
@@ -17,8 +18,16 @@ use satseed_scene::{Class, Instance, Mesh, Object, Scene, SeedPath};
 /// Everything decided, nothing made.
 pub(super) struct CityPlan {
     pub(super) relief: Swells,
+    pub(super) corridor: Option<Corridor>,
     pub(super) blocks: Vec<(Block, BlockPlan)>,
     pub(super) segments: Vec<(Segment, SegmentPlan)>,
+}
+
+impl CityPlan {
+    /// Height of the ground, m.
+    pub(super) fn ground_m(&self, p: DVec2) -> f64 {
+        self.relief.height_m(p) - self.corridor.as_ref().map_or(0.0, |c| c.depth_m(p))
+    }
 }
 
 /// Individuals of each species of tree.
@@ -27,13 +36,17 @@ const INDIVIDUALS: u64 = 8;
 /// Height of a kerb, m.
 const KERB_M: f64 = 0.15;
 
+/// Spacing of the ground's posts near the pivot, m.
+const FINE_M: f64 = 20.0;
+
 /// Half side of the ground, m.
 const GROUND_HALF_M: f64 = 2400.0;
 
 pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
     let relief = Swells::new(city);
     let reach = params.radius_m + RING_M;
-    let streets = streets(city, reach + 400.0);
+    let mut streets = streets(params.variant, city, reach + 400.0);
+    let corridor = (params.variant == Variant::Rail).then(|| Corridor::insert(&mut streets, city));
     let height = |p: DVec2| relief.height_m(p);
     let blocks: Vec<(Block, BlockPlan)> = streets
         .blocks(reach)
@@ -43,15 +56,18 @@ pub(super) fn plan(params: &Params, city: &SeedPath) -> CityPlan {
             (b, plan)
         })
         .collect();
-    let segments: Vec<(Segment, SegmentPlan)> = streets
-        .segments(reach - 100.0)
-        .into_par_iter()
-        .map(|s| {
-            let plan = traffic::plan(params, &s, city);
-            (s, plan)
-        })
-        .collect();
-    CityPlan { relief, blocks, segments }
+    let segments: Vec<(Segment, SegmentPlan)> = match &corridor {
+        Some(corridor) => rail::segments(corridor, &streets, reach - 100.0, params, city),
+        None => streets
+            .segments(reach - 100.0)
+            .into_par_iter()
+            .map(|s| {
+                let plan = traffic::plan(params, &s, city);
+                (s, plan)
+            })
+            .collect(),
+    };
+    CityPlan { relief, corridor, blocks, segments }
 }
 
 /// The ground of a plan.
@@ -74,6 +90,13 @@ pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
         let middle = segment.street.at(f64::midpoint(segment.span_m[0], segment.span_m[1]), 0.0);
         patches.extend(content.patches.iter().take(if near(middle) { usize::MAX } else { 1 }).cloned());
     }
+    if let Some(corridor) = &plan.corridor {
+        patches.extend(rail::patches(corridor, params.radius_m + RING_M));
+    }
+    // Drives run into lots and tracks over gravel: these outlines cross.
+    if matches!(params.variant, Variant::Slabs | Variant::Rail) {
+        patches = ground::arranged(patches, FINE_M);
+    }
     let ground_plan = GroundPlan {
         patches,
         background_slot: ground_slot::CARRIAGEWAY,
@@ -82,10 +105,10 @@ pub(super) fn ground(params: &Params, plan: &CityPlan) -> Ground {
         kerb_m: KERB_M,
         half_m: GROUND_HALF_M,
         fine_radius_m: params.radius_m + 200.0,
-        fine_m: 20.0,
+        fine_m: FINE_M,
         coarse_m: 50.0,
     };
-    ground::triangulate(&ground_plan, &|p| plan.relief.height_m(p))
+    ground::triangulate(&ground_plan, &|p| plan.ground_m(p))
 }
 
 struct Assembly<'a> {
@@ -119,6 +142,11 @@ impl Assembly<'_> {
 
 pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Scene {
     let mut a = Assembly { scene: Scene::default(), materials: Materials::new(&city.child("materials")), city };
+    match params.variant {
+        Variant::Slabs => a.materials.add_estate(&city.child("materials")),
+        Variant::Rail => a.materials.add_rail(&city.child("materials")),
+        Variant::Core | Variant::Midtown => {}
+    }
     let terrain = a.mesh(ground(params, plan).mesh);
     let object = a.object("ground".to_owned(), Class::Ground);
     a.instance(terrain, DAffine3::IDENTITY, object, 0, &city.child("ground"));
@@ -126,9 +154,12 @@ pub(super) fn assemble(params: &Params, plan: &CityPlan, city: &SeedPath) -> Sce
     vegetation(&mut a, params, plan);
     vehicles(&mut a, params, plan);
     street_things(&mut a, params, plan);
+    if let Some(corridor) = &plan.corridor {
+        railway(&mut a, params, plan, corridor);
+    }
     a.scene.materials = a.materials.list;
     a.scene.material_sets = a.materials.sets;
-    a.scene.pivot_height_m = plan.relief.height_m(DVec2::ZERO);
+    a.scene.pivot_height_m = plan.ground_m(DVec2::ZERO);
     a.scene.full_detail_radius_m = params.radius_m;
     a.scene
 }
@@ -201,6 +232,7 @@ fn vegetation(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
         let weights = match content.character {
             blocks::Character::Park => [0.5, 0.3, 0.05, 0.15],
             blocks::Character::Rows => [0.5, 0.2, 0.2, 0.1],
+            blocks::Character::Estate => [0.5, 0.26, 0.09, 0.15],
             _ => [0.25, 0.35, 0.35, 0.05],
         };
         for (k, p) in content.trees.iter().enumerate() {
@@ -300,5 +332,32 @@ fn street_things(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan) {
             let object = a.object(name, Class::OtherStructure);
             a.instance(crane, placed(p.extend(plan.relief.height_m(*p)), DVec2::new(c, s), 1.0), object, paint, &key);
         }
+    }
+}
+
+fn railway(a: &mut Assembly<'_>, params: &Params, plan: &CityPlan, corridor: &Corridor) {
+    let reach = params.radius_m + DETAIL_MARGIN_M;
+    for part in rail::parts(corridor, &plan.relief, reach) {
+        let key = a.city.child(&part.name);
+        let bridge = part.class == Class::Bridge;
+        // What is cut into pieces is of one kind all along.
+        let of = if bridge { key } else { a.city.child("rail") };
+        let set = if part.track {
+            a.materials.track_set()
+        } else {
+            a.materials.works_set(part.street_kind, bridge, &mut of.child("materials").rng())
+        };
+        let mesh = a.mesh(part.mesh);
+        let object = a.object(part.name, part.class);
+        a.instance(mesh, placed(part.origin, part.axis, 1.0), object, set, &of);
+    }
+    let meshes: Vec<u32> =
+        rail::Body::ALL.iter().map(|b| b.mesh()).collect::<Vec<_>>().into_iter().map(|m| a.mesh(m)).collect();
+    for car in rail::consists(corridor, &plan.relief, params.vehicles, reach) {
+        let key = a.city.child(&car.name);
+        let set = a.materials.car_set(car.body, car.livery, &mut key.child("materials").rng());
+        let index = rail::Body::ALL.iter().position(|b| *b == car.body).unwrap_or(0);
+        let object = a.object(car.name, Class::Vehicle);
+        a.instance(meshes[index], car.world_from_object, object, set, &key);
     }
 }

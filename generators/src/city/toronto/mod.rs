@@ -5,9 +5,11 @@
 
 mod assemble;
 mod blocks;
+mod estate;
 mod houses;
 pub(super) mod massing;
 pub(super) mod materials;
+mod rail;
 pub(super) mod relief;
 pub(super) mod traffic;
 
@@ -43,6 +45,15 @@ pub(super) mod ground_slot {
     pub(in crate::city) const ROAD: u16 = 17;
     pub(in crate::city) const COUNT: usize =
         (ROAD + super::materials::STREET_KINDS * super::materials::ROAD_AGES) as usize;
+    // What only some variants have comes after the others.
+    pub(super) const COURT_EDGE: u16 = COUNT as u16;
+    pub(super) const COURT: u16 = COURT_EDGE + 1;
+    pub(super) const POOL: u16 = COURT_EDGE + 2;
+    pub(super) const PLAY: u16 = COURT_EDGE + 3;
+    pub(super) const BALLAST: u16 = COUNT as u16;
+    pub(super) const TRACK: u16 = BALLAST + 1;
+    pub(super) const GRAVEL: u16 = BALLAST + 2;
+    pub(super) const VERGE: u16 = BALLAST + 3;
 }
 
 /// Which part of the city.
@@ -53,6 +64,10 @@ pub enum Variant {
     Core,
     /// Mid-rise and brick rows with some towers.
     Midtown,
+    /// Long blocks of flats of 10 to 20 storeys in lawns, with their parking.
+    Slabs,
+    /// A railway in a cutting through the city: tracks, platforms, trains, bridges.
+    Rail,
 }
 
 /// Parameters of a Toronto scene.
@@ -92,6 +107,8 @@ impl Params {
         match self.variant {
             Variant::Core => "core",
             Variant::Midtown => "midtown",
+            Variant::Slabs => "slabs",
+            Variant::Rail => "rail",
         }
     }
 
@@ -102,14 +119,19 @@ impl Params {
         check_range("vehicles", self.vehicles, 0.0..=3.0)
     }
 
-    // The registry asks every region as a method.
-    #[allow(clippy::unused_self)]
     pub(crate) fn height_bounds_m(&self) -> [f64; 2] {
         // Relief and kerbs reach down to -3.9 m and feet 1 m below the lowest ground; towers are at most 298 m with their
         // penthouse, and rounding to whole floors (2 m), a penthouse higher than the mean (1.5 m), its parapet and
         // furniture (4 m) and the relief come on top.
         let reach = relief::AMPLITUDE_M;
-        [-reach - 2.0, 298.0 + 12.0 + reach]
+        let highest_m = match self.variant {
+            // Twenty storeys of 2.85 m with their machine rooms, or a crane of 110 m.
+            Variant::Slabs => 130.0,
+            Variant::Core | Variant::Midtown | Variant::Rail => 298.0 + 12.0,
+        };
+        // Walls and piers of the cutting reach 1 m below its floor.
+        let cutting_m = if self.variant == Variant::Rail { rail::DEPTH_M } else { 0.0 };
+        [-reach - 2.0 - cutting_m, highest_m + reach]
     }
 
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
@@ -122,7 +144,7 @@ impl Params {
 }
 
 /// The streets out to a distance.
-fn streets(path: &SeedPath, reach_m: f64) -> StreetPlan {
+fn streets(variant: Variant, path: &SeedPath, reach_m: f64) -> StreetPlan {
     let (s, c) = libm::sincos(GRID_TURN_RAD);
     let north = DVec2::new(s, c);
     let section = |kind, roadway_m, sidewalk_m| CrossSection { kind, roadway_m, sidewalk_m };
@@ -130,20 +152,19 @@ fn streets(path: &SeedPath, reach_m: f64) -> StreetPlan {
     let local = section(1, 10.6, 4.8);
     let wide = section(2, 16.6, 5.2);
     let avenue = section(3, 22.6, 6.4);
-    let northward = Family {
-        direction: north,
-        block_m: [100.0, 140.0],
-        turn_rad: 0.008,
-        sections: vec![(0.4, narrow), (0.28, local), (0.22, wide), (0.1, avenue)],
+    // Estates are made of large blocks, with fewer and wider streets.
+    let (blocks_m, shares) = match variant {
+        Variant::Slabs => ([[176.0, 232.0], [196.0, 260.0]], [[0.0, 0.5, 0.36, 0.14]; 2]),
+        _ => ([[100.0, 140.0], [110.0, 200.0]], [[0.4, 0.28, 0.22, 0.1], [0.3, 0.3, 0.28, 0.12]]),
     };
-    let eastward = Family {
-        direction: DVec2::new(north.y, -north.x),
-        block_m: [110.0, 200.0],
+    let of = |k: usize, direction: DVec2| Family {
+        direction,
+        block_m: blocks_m[k],
         turn_rad: 0.008,
-        sections: vec![(0.3, narrow), (0.3, local), (0.28, wide), (0.12, avenue)],
+        sections: shares[k].into_iter().zip([narrow, local, wide, avenue]).collect(),
     };
-    let (a, northward) = family(&northward, &path.child("northward"), reach_m);
-    let (b, eastward) = family(&eastward, &path.child("eastward"), reach_m);
+    let (a, northward) = family(&of(0, north), &path.child("northward"), reach_m);
+    let (b, eastward) = family(&of(1, DVec2::new(north.y, -north.x)), &path.child("eastward"), reach_m);
     StreetPlan { first: [a, b], streets: [northward, eastward] }
 }
 

@@ -2,17 +2,20 @@ use super::assemble::{self, CityPlan};
 
 use super::*;
 use crate::kit::buildings::{self, BuildingPlan, Detail};
-use crate::kit::checks::assert_whole;
+use crate::kit::checks::{assert_whole, assert_within_bounds};
 use crate::kit::mesh_builder::open_edges;
 use crate::kit::polygon;
-use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Half side of a frame of 2048 pixels at 0.3 m.
-const FRAME_HALF_M: f64 = 307.0;
+pub(super) const FRAME_HALF_M: f64 = 307.0;
 
-fn planned(seed: u64, variant: Variant) -> CityPlan {
-    let params = Params { variant, radius_m: 400.0, ..Params::default() };
+pub(super) fn sized(variant: Variant, radius_m: f64) -> Params {
+    Params { variant, radius_m, ..Params::default() }
+}
+
+pub(super) fn planned(seed: u64, variant: Variant) -> CityPlan {
+    let params = sized(variant, 400.0);
     let city = SeedPath::root("toronto", seed).child(params.variant());
     assemble::plan(&params, &city)
 }
@@ -22,13 +25,13 @@ fn small() -> Params {
 }
 
 /// Shares of a frame and its towers' heights.
-struct Census {
-    built: f64,
+pub(super) struct Census {
+    pub(super) built: f64,
     tall: f64,
     towers: Vec<f64>,
 }
 
-fn census(plan: &CityPlan) -> Census {
+pub(super) fn census(plan: &CityPlan) -> Census {
     let mut out = Census { built: 0.0, tall: 0.0, towers: Vec::new() };
     let all: Vec<&BuildingPlan> =
         plan.blocks.iter().flat_map(|(_, b)| b.buildings.iter().map(|(_, b)| &b.plan)).collect();
@@ -96,15 +99,15 @@ fn midtown_is_lower_than_the_core_and_still_a_city() {
 }
 
 #[test]
-fn one_tree_more_moves_no_house() {
-    let city = SeedPath::root("toronto", 4).child("core");
-    let plan = |trees, vehicles| {
-        let params = Params { radius_m: 60.0, trees, vehicles, ..Params::default() };
-        let plan = assemble::plan(&params, &city);
-        let houses: Vec<_> = plan.blocks.into_iter().flat_map(|(_, b)| b.buildings).collect();
-        houses
-    };
-    assert!(plan(1.0, 1.0) == plan(2.0, 0.3));
+fn one_tree_or_train_more_moves_no_house() {
+    for (variant, name) in [(Variant::Core, "core"), (Variant::Slabs, "slabs"), (Variant::Rail, "rail")] {
+        let city = SeedPath::root("toronto", 4).child(name);
+        let houses = |trees, vehicles| {
+            let params = Params { variant, radius_m: 60.0, trees, vehicles, ..Params::default() };
+            assemble::plan(&params, &city).blocks.into_iter().flat_map(|(_, b)| b.buildings).collect::<Vec<_>>()
+        };
+        assert!(houses(1.0, 1.0) == houses(2.0, 0.3), "{name}");
+    }
 }
 
 #[test]
@@ -122,34 +125,35 @@ fn the_scene_holds_what_its_bound_says() {
 
 #[test]
 fn same_scene_with_one_and_two_threads() {
-    let hash = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| build(&small(), SeedPath::root("toronto", 3)).hash())
-    };
-    assert_eq!(hash(1), hash(2));
+    for params in [small(), sized(Variant::Slabs, 60.0), sized(Variant::Rail, 60.0)] {
+        let hash = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| build(&params, SeedPath::root("toronto", 3)).hash())
+        };
+        assert_eq!(hash(1), hash(2));
+    }
 }
 
 #[test]
 fn a_scene_is_legal_and_within_its_bounds() {
-    for seed in 0..3 {
-        let params = Params { radius_m: 120.0, ..Params::default() };
+    use Variant::{Core, Rail, Slabs};
+    let all = [(Core, 0), (Core, 1), (Core, 2), (Slabs, 0), (Slabs, u64::MAX), (Rail, 0), (Rail, 1), (Rail, u64::MAX)];
+    for (variant, seed) in all {
+        let params = sized(variant, if variant == Core { 120.0 } else { 60.0 });
         let scene = build(&params, SeedPath::root("toronto", seed));
-        scene.validate().unwrap();
-        let [low, high] = params.height_bounds_m();
-        for i in &scene.instances {
-            for p in &scene.meshes[i.mesh as usize].positions_m {
-                let z = i.world_from_object.transform_point3(DVec3::from_array(p.map(f64::from))).z;
-                assert!((low..=high).contains(&z), "{}: {z}", scene.objects[i.object as usize].path);
-            }
-        }
+        let of = format!("{} {seed}", params.variant());
+        assert_within_bounds(&scene, params.height_bounds_m(), params.memory_bound_bytes(), &of);
     }
 }
 
 #[test]
 fn the_ground_has_no_crack_and_no_t_junction() {
-    for (seed, radius_m) in [(0, 250.0), (1, 60.0), (2, 700.0), (3, 333.3)] {
-        let params = Params { radius_m, ..Params::default() };
-        let city = SeedPath::root("toronto", seed).child("core");
+    use Variant::{Core, Rail, Slabs};
+    let core = [(0, 250.0), (1, 60.0), (2, 700.0), (3, 333.3)].map(|(seed, radius_m)| (Core, seed, radius_m));
+    let others = [(Slabs, 0, 150.0), (Slabs, 1, 60.0), (Rail, 0, 150.0), (Rail, 1, 60.0), (Rail, 2, 60.0)];
+    for (variant, seed, radius_m) in core.into_iter().chain(others) {
+        let params = sized(variant, radius_m);
+        let city = SeedPath::root("toronto", seed).child(params.variant());
         let ground = assemble::ground(&params, &assemble::plan(&params, &city));
         assert_whole(&ground, 2400.0);
     }

@@ -4,11 +4,11 @@
 //! (Roberts 2018, the R2 sequence, from a random start): neighbours differ, and every frame of a few hundred metres has
 //! about the share of towers that the whole city has.
 
-mod open;
-mod site;
+pub(super) mod open;
+pub(super) mod site;
 
 use super::massing::{Building, Relief};
-use super::{Params, Variant, ground_slot};
+use super::{Params, Variant, estate, ground_slot};
 use crate::kit::ground::Patch;
 use crate::kit::parcels::subdivide;
 use crate::kit::polygon;
@@ -30,6 +30,8 @@ pub(super) enum Character {
     Rows,
     /// A public garden.
     Park,
+    /// Slabs in lawns.
+    Estate,
 }
 
 /// Cars stand here: centre, direction, world.
@@ -59,14 +61,14 @@ pub(super) struct BlockPlan {
 }
 
 /// The R2 sequence over block indices, 0..1.
-fn spread(start: f64, i: i64, j: i64) -> f64 {
+pub(super) fn spread(start: f64, i: i64, j: i64) -> f64 {
     let x = start + i as f64 * 0.754_877_666_246_692_7 + j as f64 * 0.569_840_290_998_053_2;
     x - libm::floor(x)
 }
 
 fn character(params: &Params, block: &Block, city: &SeedPath) -> Character {
     let [i, j] = block.index;
-    if i == 0 && j == 0 {
+    if i == 0 && j == 0 && params.variant != Variant::Slabs {
         // The pivot always has something tall to look at.
         return Character::Towers;
     }
@@ -75,6 +77,8 @@ fn character(params: &Params, block: &Block, city: &SeedPath) -> Character {
     let limits = match params.variant {
         Variant::Core => [0.56, 0.72, 0.93, 0.98],
         Variant::Midtown => [0.06, 0.08, 0.48, 0.95],
+        Variant::Rail => [0.38, 0.46, 0.88, 0.95],
+        Variant::Slabs => return Character::Estate,
     };
     let order = [Character::Towers, Character::Offices, Character::Mixed, Character::Rows, Character::Park];
     order[limits.iter().take_while(|l| u >= **l).count()]
@@ -92,6 +96,7 @@ fn site_width_m(character: Character, path: &SeedPath) -> f64 {
         }
         Character::Rows => rng.range(28.0, 60.0),
         Character::Park => 1000.0,
+        Character::Estate => rng.range(72.0, 108.0),
     }
 }
 
@@ -109,18 +114,25 @@ pub(super) fn plan(params: &Params, block: &Block, relief: &Relief<'_>, city: &S
     };
     let mut rng = path.child("lane").rng();
     let lane_m = match character {
-        Character::Park => 0.0,
+        Character::Park | Character::Estate => 0.0,
         _ => rng.range(4.0, 6.0),
     };
     let cut = subdivide(&block.property, lane_m, &path, |p| site_width_m(character, p));
     let axis = (block.property[1] - block.property[0]).normalize();
     let patch = |outline: Vec<DVec2>, slot: u16| Patch { origin_m: outline[0], outline, slot, axis, lowered: false };
+    let open = matches!(character, Character::Park | Character::Estate);
     if let Some(ground) = polygon::inset(&block.property, 0.08) {
-        out.patches
-            .push(patch(ground, if character == Character::Park { ground_slot::LAWN } else { ground_slot::PAVING }));
+        out.patches.push(patch(ground, if open { ground_slot::LAWN } else { ground_slot::PAVING }));
     }
     if character == Character::Park {
         open::park(block, &path, &mut out);
+        return out;
+    }
+    if character == Character::Estate {
+        for site in &cut.sites {
+            let path = path.child("site").index(site.index);
+            estate::site(params, block, site, relief, city, &path, &mut out);
+        }
         return out;
     }
     if let Some(lane) = cut.lane.and_then(|l| polygon::inset_edges(&l, |_| 0.12)) {

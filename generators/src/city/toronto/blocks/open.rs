@@ -34,7 +34,7 @@ pub(super) fn court(site: &Site, path: &SeedPath, out: &mut BlockPlan) {
 }
 
 /// Trees strewn over a site, about one to a square of `spacing` metres.
-pub(super) fn scatter(site: &Site, spacing: f64, path: &SeedPath, out: &mut BlockPlan) {
+pub(in crate::city::toronto) fn scatter(site: &Site, spacing: f64, path: &SeedPath, out: &mut BlockPlan) {
     let mut rng = path.child("scatter").rng();
     let (low, high) = polygon::bounds(&site.outline);
     let n = (polygon::area(&site.outline) / (spacing * spacing)) as u32;
@@ -47,7 +47,7 @@ pub(super) fn scatter(site: &Site, spacing: f64, path: &SeedPath, out: &mut Bloc
 }
 
 /// A parking lot: stalls 2.6 x 5.5 m in double rows with aisles of 6.5 m, tree islands at the ends.
-pub(super) fn parking(site: &Site, frame: &Frame, path: &SeedPath, out: &mut BlockPlan) {
+pub(in crate::city::toronto) fn parking(site: &Site, frame: &Frame, path: &SeedPath, out: &mut BlockPlan) {
     let Some(outline) = polygon::inset(&site.outline, 0.9).filter(|o| polygon::area(o) > 60.0) else {
         ground(site, ground_slot::PAVING_DARK, out);
         return;

@@ -85,34 +85,7 @@ pub(super) fn one_site(
         return;
     }
     match usage {
-        Use::Rows => {
-            ground(site, ground_slot::YARD, out);
-            let row = houses::row(site, relief, path);
-            for (k, b) in row.buildings.into_iter().enumerate() {
-                out.buildings.push((name(&format!("house/{k}")), b));
-            }
-            let mut rng = path.child("yards").rng();
-            for (outline, kind) in row.yards {
-                let paved = [ground_slot::PAVING, ground_slot::PAVING_DARK, ground_slot::PLAZA];
-                let slot = match kind {
-                    Yard::Patio => *rng.pick(&paved),
-                    Yard::Front => {
-                        [ground_slot::LAWN, ground_slot::YARD, ground_slot::PAVING][rng.weighted(&[0.5, 0.2, 0.3])]
-                    }
-                    Yard::Rear => [ground_slot::LAWN, ground_slot::YARD, ground_slot::PAVING_DARK]
-                        [rng.weighted(&[0.5, 0.38, 0.12])],
-                };
-                let (low, high) = polygon::bounds(&outline);
-                let tries = if kind == Yard::Rear { 7 } else { 1 };
-                for _ in 0..tries {
-                    let at = DVec2::new(rng.range(low.x, high.x), rng.range(low.y, high.y));
-                    if polygon::contains(&outline, at) && rng.chance(0.5) {
-                        out.trees.push(at);
-                    }
-                }
-                out.patches.push(Patch { origin_m: outline[0], outline, slot, axis: frame.axis, lowered: false });
-            }
-        }
+        Use::Rows => rows(site, &name("house"), relief, path, out),
         Use::Cleared => {
             ground(site, ground_slot::SOIL, out);
             out.cleared.push(frame.centre);
@@ -132,6 +105,42 @@ pub(super) fn one_site(
             scatter(site, 8.0, path, out);
         }
         _ => parking(site, &frame, path, out),
+    }
+}
+
+/// Fills a site with a row of houses, called `name` and a number, and their yards.
+pub(in crate::city::toronto) fn rows(
+    site: &Site,
+    name: &str,
+    relief: &Relief<'_>,
+    path: &SeedPath,
+    out: &mut BlockPlan,
+) {
+    ground(site, ground_slot::YARD, out);
+    let axis = site.axis();
+    let row = houses::row(site, relief, path);
+    for (k, b) in row.buildings.into_iter().enumerate() {
+        out.buildings.push((format!("{name}/{k}"), b));
+    }
+    let mut rng = path.child("yards").rng();
+    for (outline, kind) in row.yards {
+        let paved = [ground_slot::PAVING, ground_slot::PAVING_DARK, ground_slot::PLAZA];
+        let slot = match kind {
+            Yard::Patio => *rng.pick(&paved),
+            Yard::Front => [ground_slot::LAWN, ground_slot::YARD, ground_slot::PAVING][rng.weighted(&[0.5, 0.2, 0.3])],
+            Yard::Rear => {
+                [ground_slot::LAWN, ground_slot::YARD, ground_slot::PAVING_DARK][rng.weighted(&[0.5, 0.38, 0.12])]
+            }
+        };
+        let (low, high) = polygon::bounds(&outline);
+        let tries = if kind == Yard::Rear { 7 } else { 1 };
+        for _ in 0..tries {
+            let at = DVec2::new(rng.range(low.x, high.x), rng.range(low.y, high.y));
+            if polygon::contains(&outline, at) && rng.chance(0.5) {
+                out.trees.push(at);
+            }
+        }
+        out.patches.push(Patch { origin_m: outline[0], outline, slot, axis, lowered: false });
     }
 }
 

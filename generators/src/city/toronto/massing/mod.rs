@@ -33,6 +33,8 @@ pub(in crate::city) enum Kind {
     Shop,
     /// Garage or shed.
     Shed,
+    /// Block of flats of the sixties and seventies.
+    Flats,
 }
 
 /// A building with its kind.
@@ -128,10 +130,10 @@ fn laid_into(area: &[DVec2], shape: &[[f64; 2]]) -> Vec<DVec2> {
     shape.iter().map(|[s, t]| c(0).lerp(c(1), *s).lerp(c(3).lerp(c(2), *s), *t)).collect()
 }
 
-const GROUNDED: f64 = -1.0;
+pub(super) const GROUNDED: f64 = -1.0;
 
 /// Completes a plan: its foot in the ground and its frame in the world.
-fn grounded(frame: &Frame, relief: &Relief<'_>, mut masses: Vec<Mass>) -> BuildingPlan {
+pub(super) fn grounded(frame: &Frame, relief: &Relief<'_>, mut masses: Vec<Mass>) -> BuildingPlan {
     let ground_m = relief(frame.centre);
     let feet = masses.iter().filter(|m| m.low_m < 0.0).flat_map(|m| m.outline.iter());
     let lowest = feet.map(|p| relief(frame.world(*p))).fold(ground_m, f64::min);

@@ -4,6 +4,8 @@
 //! no two surfaces show the same spots, and a brightness and tint of its own from the instance.
 
 mod book;
+mod estate;
+mod rail;
 pub(in crate::city) mod surfaces;
 
 use super::massing::Kind;
@@ -52,7 +54,9 @@ pub(super) struct Materials {
     lamp: u32,
     steel: u32,
     crane: u32,
+    rail: rail::Book,
 }
+
 impl Materials {
     fn add(&mut self, m: Material) -> u32 {
         self.list.push(m);
@@ -92,6 +96,7 @@ impl Materials {
             lamp: 0,
             steel: 0,
             crane: 0,
+            rail: rail::Book::default(),
         };
         let seed = |name: &str, k: u64| path.child(name).index(k).hash_u32();
         this.ground(&seed);
@@ -150,6 +155,20 @@ impl Materials {
                     self.flat_roofs[rng.weighted(&[1.2, 1.8, 1.8, 1.8, 2.0, 1.8, 0.4, 1.6, 1.8])],
                 )
             }
+            Kind::Flats => {
+                // Yellow, brown and white brick, bare or painted concrete; roofs of gravel and bitumen.
+                let wall = if rng.chance(0.72) {
+                    self.brick[rng.weighted(&[0.5, 0.7, 1.2, 1.6, 0.2, 0.7, 1.2])]
+                } else {
+                    self.precast[rng.weighted(&[0.3, 1.0, 1.0, 0.7, 0.1, 0.0])]
+                };
+                (
+                    wall,
+                    of(&self.masonry_glass, &mut rng),
+                    self.precast[rng.weighted(&[0.8, 1.2, 1.2, 0.9, 0.2, 0.0])],
+                    self.flat_roofs[rng.weighted(&[0.8, 1.4, 1.6, 1.4, 2.6, 1.8, 0.3, 1.6, 1.6])],
+                )
+            }
             Kind::House | Kind::Shop | Kind::Shed => {
                 let wall = of(&self.windowed, &mut rng);
                 (
@@ -162,7 +181,7 @@ impl Materials {
         };
         let wall = match kind {
             Kind::Condo | Kind::Office if massing => of(&self.banded, &mut rng),
-            Kind::Block if massing => of(&self.windowed, &mut rng),
+            Kind::Block | Kind::Flats if massing => of(&self.windowed, &mut rng),
             Kind::Shed => of(&self.brick, &mut rng),
             _ => wall,
         };

@@ -28,7 +28,8 @@ pub(in crate::city) fn aged(m: Material, seed: u32, patch: f32, grain: f32) -> M
         .with(Layer::Tint { tint: Bands::new(-0.06, 0.0, 0.05, 0.05), amount: Field::Variation(1) })
 }
 
-fn stripe(across: Coordinate, at: f32, width_m: f32) -> Field {
+/// A single stripe.
+pub(super) fn stripe(across: Coordinate, at: f32, width_m: f32) -> Field {
     Field::Stripes { across, period_m: 4000.0, width_m, offset_m: at - width_m / 2.0 }
 }
 

@@ -1,0 +1,154 @@
+//! Which rays go together.
+
+use super::frame::axes;
+use super::{LANES, STEEPEST};
+use crate::query::Query;
+use glam::{DVec2, DVec3};
+
+/// How many times less packets must reach over for an order to be worth its while.
+const LEAST_GAIN: f64 = 1.2;
+/// Side of what a ray meets, about, m: a packet need not be much narrower.
+const THING_M: f64 = 0.5;
+
+/// An order in which rays make narrower packets than in the given one; none if there is hardly any, or they go their own
+/// ways. The `k`-th is the ray that comes in place `k`.
+///
+/// Rays to the sun that start in crowns, side by side as the camera sees them, lie metres apart as the sun does: that is
+/// where the order counts.
+pub(crate) fn narrower<Q: Query>(queries: &[Q]) -> Option<Vec<u32>> {
+    if queries.len() <= 2 * LANES {
+        return None;
+    }
+    let mean = queries.iter().fold(DVec3::ZERO, |sum, q| sum + q.direction());
+    let [x, y, z] = axes(mean);
+    let sign = if mean[z] < 0.0 { -1.0 } else { 1.0 };
+    let level = queries.iter().map(|q| q.origin()[z]).sum::<f64>() / queries.len() as f64;
+    // Where they cross the plane through the middle of their starts.
+    let mut places = Vec::with_capacity(queries.len());
+    for q in queries {
+        let (o, d) = (q.origin(), q.direction());
+        let ahead = d[z] * sign;
+        if !(d[x].abs() <= STEEPEST * ahead && d[y].abs() <= STEEPEST * ahead) {
+            return None;
+        }
+        let t = (level - o[z]) / d[z];
+        places.push(DVec2::new(o[x] + d[x] * t, o[y] + d[y] * t));
+    }
+    let given = reach(&places, 0..places.len());
+    if given <= places.chunks(LANES).len() as f64 * grown(DVec2::splat(THING_M)) {
+        return None;
+    }
+    let (low, size) = extent(places.iter().copied());
+    // Morton's order on a grid of squares.
+    let scale = f64::from(u16::MAX) / size.max_element();
+    let mut keys: Vec<(u32, u32)> = (0..)
+        .zip(&places)
+        .map(|(k, place)| {
+            let at = (*place - low) * scale;
+            (every_other(at.x as u32) | every_other(at.y as u32) << 1, k)
+        })
+        .collect();
+    keys.sort_unstable();
+    let found = reach(&places, keys.iter().map(|(_, k)| *k as usize));
+    (LEAST_GAIN * found < given).then(|| keys.into_iter().map(|(_, k)| k).collect())
+}
+
+/// What packets may meet together: the sum of their areas, m^2, each grown by what a thing takes.
+fn reach(places: &[DVec2], order: impl ExactSizeIterator<Item = usize>) -> f64 {
+    let mut ordered = order.map(|k| places[k]);
+    let mut sum = 0.0;
+    while ordered.len() > 0 {
+        sum += grown(extent(ordered.by_ref().take(LANES)).1);
+    }
+    sum
+}
+
+fn grown(size: DVec2) -> f64 {
+    (size.x + THING_M) * (size.y + THING_M)
+}
+
+/// Lowest corner and size.
+fn extent(places: impl Iterator<Item = DVec2>) -> (DVec2, DVec2) {
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for place in places {
+        low = low.min(place);
+        high = high.max(place);
+    }
+    (low, high - low)
+}
+
+/// Sixteen bits with a gap after each.
+fn every_other(n: u32) -> u32 {
+    let n = (n | n << 8) & 0x00ff_00ff;
+    let n = (n | n << 4) & 0x0f0f_0f0f;
+    let n = (n | n << 2) & 0x3333_3333;
+    (n | n << 1) & 0x5555_5555
+}
+
+/// Brings the `order[k]`-th to place `k`.
+pub(crate) fn arrange<T>(of: Vec<T>, order: &[u32]) -> Vec<T> {
+    let mut of: Vec<Option<T>> = of.into_iter().map(Some).collect();
+    order.iter().filter_map(|k| of[*k as usize].take()).collect()
+}
+
+/// Brings the `k`-th back to place `order[k]`.
+pub(crate) fn restore<T>(of: Vec<T>, order: &[u32]) -> Vec<T> {
+    let mut places = vec![0; order.len()];
+    for (place, k) in (0..).zip(order) {
+        places[*k as usize] = place;
+    }
+    arrange(of, &places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::query::Closest;
+
+    fn rays(starts: impl Iterator<Item = DVec3>) -> Vec<Closest<DVec3>> {
+        starts.map(|start| Closest::new(start, DVec3::new(0.7, 0.1, 0.7).normalize(), 100.0)).collect()
+    }
+
+    /// A square of places over ground, row by row in squares as cameras have them, and in crowns of any height.
+    fn square(height_m: impl Fn(u32) -> f64) -> impl Iterator<Item = DVec3> {
+        crate::tile_order(16, 16)
+            .zip(0..)
+            .map(move |((i, j), k)| DVec3::new(0.1 * f64::from(i), 0.1 * f64::from(j), height_m(k)))
+    }
+
+    #[test]
+    fn rays_from_level_ground_stay_as_they_are() {
+        assert_eq!(narrower(&rays(square(|_| 5.0))), None);
+    }
+
+    #[test]
+    fn rays_from_crowns_make_narrower_packets_and_come_back_to_their_places() {
+        let rough =
+            |k: u32| 10.0 * f64::from(satseed_scene::unit_from_hash(satseed_scene::hash_cell(k as i32, 0, 0, 1)));
+        let queries = rays(square(rough));
+        let order = narrower(&queries).expect("they lie metres apart");
+        let side = |order: &[u32]| -> f64 {
+            let place = |k: &u32| {
+                let o = queries[*k as usize].origin();
+                DVec2::new(o.y - o.z / 7.0, o.x - o.z)
+            };
+            order.chunks(LANES).map(|p| extent(p.iter().map(place)).1.max_element()).sum()
+        };
+        let given: Vec<u32> = (0..256).collect();
+        assert!(side(&order) < 0.5 * side(&given), "{} against {}", side(&order), side(&given));
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert_eq!(sorted, given);
+        let values: Vec<u32> = (1000..1256).collect();
+        let arranged = arrange(values.clone(), &order);
+        assert!(arranged.iter().zip(&order).all(|(value, k)| value - 1000 == *k));
+        assert_eq!(restore(arranged, &order), values);
+    }
+
+    #[test]
+    fn rays_that_go_their_own_ways_have_no_order() {
+        let mut queries = rays(square(f64::from));
+        queries[7] = Closest::new(DVec3::ZERO, DVec3::NEG_X, 1.0);
+        assert_eq!(narrower(&queries), None);
+    }
+}
