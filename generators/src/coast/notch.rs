@@ -23,8 +23,9 @@ pub(super) struct Notch<'a> {
     detail_half_m: f64,
 }
 
-/// How far beyond the full detail the notch ends, m: the world's own border stays straight.
-const FADE_M: f64 = 60.0;
+/// How far beyond the full detail the notch begins to fade and ends, m: the world's own border stays straight, and what normals
+/// at the detail's border ask of is the same whatever the radius.
+const FADE_M: [f64; 2] = [1.0, 60.0];
 
 impl<'a> Notch<'a> {
     pub(super) fn new(shore: &'a Shore, detail_half_m: f64, path: &SeedPath) -> Self {
@@ -44,7 +45,7 @@ impl Undercut for Notch<'_> {
         let here = smoothstep(0.45, 0.15, place.sandy)
             * smoothstep(-5.0, 2.0, place.inland_m)
             * smoothstep(32.0, 20.0, place.inland_m)
-            * smoothstep(self.detail_half_m + FADE_M, self.detail_half_m, plan.abs().max_element());
+            * smoothstep(FADE_M[1], FADE_M[0], plan.abs().max_element() - self.detail_half_m);
         if here == 0.0 {
             return DVec2::ZERO;
         }
