@@ -58,8 +58,8 @@ impl Inward {
 
 /// How far an edge may stray from where its points move to, m.
 const STRAY_M: f64 = 0.15;
-/// Neighbouring vertices of a cut edge are no nearer, m.
-const SHORTEST_M: f64 = 0.3;
+/// Halves of edges are no shorter, m.
+const SHORTEST_M: f64 = 0.5;
 /// Distance of the places of an edge that are asked how they move, m.
 const PROBE_M: f64 = 0.5;
 /// So often is a triangle cut at most. The parts of an edge are asked as often from both its sides; edges across thin triangles might be
@@ -90,37 +90,77 @@ pub fn carve(mesh: &mut Mesh, undercut: &impl Undercut) {
         }
         (position[0], position[1]) = (quantise_m(p.x + shift.x), quantise_m(p.y + shift.y));
     }
-    // On the lattice, vertices of slivers may have become one: what is left of their triangles is an edge.
-    let (triangles, slots) = (core::mem::take(&mut mesh.triangles), core::mem::take(&mut mesh.slots));
-    for (t, slot) in triangles.into_iter().zip(slots) {
-        let [a, b, c] = t.map(|v| point(mesh.positions_m[v as usize]));
-        if (b - a).cross(c - a) != DVec3::ZERO {
-            mesh.triangles.push(t);
-            mesh.slots.push(slot);
+    separate(mesh);
+}
+
+/// A step of the lattice, m.
+const LATTICE_M: f32 = 1.0 / 1024.0;
+
+/// On the lattice, corners of slivers may have become one, or come to lie on a line: moves one of them on by a step or a few. Not those
+/// on the tile's border, which its neighbour has too.
+fn separate(mesh: &mut Mesh) {
+    let mut border: Option<Vec<bool>> = None;
+    for round in 0..24 {
+        let bits = |v: u32| mesh.positions_m[v as usize].map(f32::to_bits);
+        let mut order: Vec<u32> = (0..mesh.positions_m.len() as u32).collect();
+        order.sort_unstable_by_key(|v| (bits(*v), *v));
+        let mut bad: Vec<[u32; 3]> =
+            order.windows(2).filter(|w| bits(w[0]) == bits(w[1])).map(|w| [w[1], w[0], w[0]]).collect();
+        let flat = |t: &usize| {
+            let [a, b, c] = mesh.corners(*t);
+            (b - a).cross(c - a) == DVec3::ZERO
+        };
+        bad.extend((0..mesh.triangles.len()).filter(flat).map(|t| mesh.triangles[t]));
+        if bad.is_empty() {
+            return;
+        }
+        let border = border.get_or_insert_with(|| on_border(mesh));
+        let mut to_move: Vec<u32> =
+            bad.iter().filter_map(|t| t.iter().copied().find(|v| !border[*v as usize])).collect();
+        to_move.sort_unstable();
+        to_move.dedup();
+        for v in to_move {
+            // Another way each round, and farther.
+            let (axis, steps) = ((v + round) as usize % 3, 1 + round / 6);
+            let sign = if round / 3 % 2 == 0 { 1.0 } else { -1.0 };
+            mesh.positions_m[v as usize][axis] += sign * steps as f32 * LATTICE_M;
         }
     }
+}
+
+/// Which vertices belong to an edge of one triangle alone.
+fn on_border(mesh: &Mesh) -> Vec<bool> {
+    let sides = mesh.triangles.iter().flat_map(|t| [0, 1, 2].map(|k| (t[k], t[(k + 1) % 3])));
+    let mut edges: Vec<(u32, u32)> = sides.map(|(a, b)| (a.min(b), a.max(b))).collect();
+    edges.sort_unstable();
+    let mut border = vec![false; mesh.positions_m.len()];
+    for same in edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1) {
+        (border[same[0].0 as usize], border[same[0].1 as usize]) = (true, true);
+    }
+    border
 }
 
 fn point(position: [f32; 3]) -> DVec3 {
     DVec3::from_array(position.map(f64::from))
 }
 
-/// Cuts every edge that strays, again and again. A triangle without one is finished.
+/// Halves every edge that strays, again and again: parts are shaped like the whole. A triangle without one is finished.
 fn cut(mesh: &mut Mesh, undercut: &impl Undercut) {
     let triangles = core::mem::take(&mut mesh.triangles).into_iter().zip(core::mem::take(&mut mesh.slots));
     let mut open: Vec<([u32; 3], u16, u32)> = triangles.map(|(t, slot)| (t, slot, 0)).rev().collect();
-    // The vertices that edges are cut at; `None` for those that are whole.
+    // The middles of edges that are halved; `None` for those that are whole.
     let mut cuts: BTreeMap<(u32, u32), Option<u32>> = BTreeMap::new();
     while let Some((t, slot, depth)) = open.pop() {
         let at = [0, 1, 2].map(|k| {
             let (a, b) = (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
             let [p, q] = [a, b].map(|v| point(mesh.positions_m[v as usize]));
             let cut = || {
-                let (at, part) = strays(p, q, undercut)?;
-                mesh.positions_m.push(quantise_point(at));
-                let [m, n] = [a, b].map(|v| point(mesh.normals[v as usize]));
-                mesh.normals.push(m.lerp(n, part).try_normalize().unwrap_or(m).as_vec3().to_array());
-                Some(mesh.positions_m.len() as u32 - 1)
+                strays(p, q, undercut).then(|| {
+                    mesh.positions_m.push(quantise_point((p + q) * 0.5));
+                    let [m, n] = [a, b].map(|v| point(mesh.normals[v as usize]));
+                    mesh.normals.push((m + n).try_normalize().unwrap_or(m).as_vec3().to_array());
+                    mesh.positions_m.len() as u32 - 1
+                })
             };
             if depth < DEEPEST { *cuts.entry((a, b)).or_insert_with(cut) } else { None }
         });
@@ -158,29 +198,19 @@ fn parts(t: [u32; 3], cuts: [Option<u32>; 3], mut part: impl FnMut([u32; 3])) {
     }
 }
 
-/// Where an edge strays farthest from where its points move to, if too far, and the part of the way from `p` to `q`; the same
-/// place for both directions.
-fn strays(p: DVec3, q: DVec3, undercut: &impl Undercut) -> Option<(DVec3, f64)> {
-    let length = p.distance(q);
-    let probes = libm::floor(length / SHORTEST_M).min(libm::ceil(length / PROBE_M)) as u32;
-    if probes < 2 {
-        return None;
+/// Whether an edge is to be halved; the same for both directions.
+fn strays(a: DVec3, b: DVec3, undercut: &impl Undercut) -> bool {
+    let length = a.distance(b);
+    if length < 2.0 * SHORTEST_M {
+        return false;
     }
     // From the same end whoever asks.
-    let is_first = (p.x, p.y, p.z) <= (q.x, q.y, q.z);
-    let (a, b) = if is_first { (p, q) } else { (q, p) };
+    let (a, b) = if (a.x, a.y, a.z) <= (b.x, b.y, b.z) { (a, b) } else { (b, a) };
     let [from, to] = [a, b].map(|end| undercut.shift_m(end));
-    let mut worst = (STRAY_M, None);
-    for k in 1..probes {
-        let part = f64::from(k) / f64::from(probes);
-        let stray = undercut.shift_m(a.lerp(b, part)).distance(from.lerp(to, part));
-        if stray > worst.0 {
-            worst = (stray, Some(part));
-        }
-    }
-    // Not too near an end: slivers would beget ever thinner ones.
-    let part = worst.1?.clamp(0.25, 0.75);
-    Some((a.lerp(b, part), if is_first { part } else { 1.0 - part }))
+    let probes = libm::ceil(length / PROBE_M) as u32;
+    (1..probes)
+        .map(|k| f64::from(k) / f64::from(probes))
+        .any(|part| undercut.shift_m(a.lerp(b, part)).distance(from.lerp(to, part)) > STRAY_M)
 }
 
 #[cfg(test)]
