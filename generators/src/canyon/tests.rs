@@ -1,6 +1,7 @@
 use super::*;
 use crate::kit::checks::{assert_between, assert_closed, assert_rooted, terrain};
 use crate::kit::terrain::flow::NEIGHBOURS;
+use crate::kit::terrain::overhang::Undercut;
 use std::sync::OnceLock;
 
 fn params(radius_m: f64) -> Params {
@@ -65,6 +66,31 @@ fn any_seed_keeps_the_stated_bounds() {
 #[ignore = "long: 200 scenes"]
 fn two_hundred_seeds_build_within_the_stated_bounds() {
     seeds_build(1000..1200);
+}
+
+/// At every height the plane is squeezed and stretched, and nowhere folded: what is moved by this crosses itself nowhere.
+#[test]
+fn hollows_fold_no_plane() {
+    let mut least = f64::MAX;
+    for seed in [1, 2, 3] {
+        with_relief(seed, 60.0, |relief| {
+            let undercuts = Undercuts::new(relief, &root(seed).child("undercuts"));
+            let e = 0.05;
+            for (x, y) in (-150..150).flat_map(|x| (-150..150).map(move |y| (f64::from(x), f64::from(y)))) {
+                for p in (-80..10).map(|z| DVec3::new(x * 0.8, y * 0.8, 2.0 * f64::from(z))) {
+                    let at = |q: DVec3| undercuts.shift_m(q);
+                    if (p.z - relief.height_m(p.truncate())).abs() > 6.0 || at(p) == DVec2::ZERO {
+                        continue;
+                    }
+                    let (dx, dy) =
+                        (at(p + DVec3::X * e) - at(p - DVec3::X * e), at(p + DVec3::Y * e) - at(p - DVec3::Y * e));
+                    let (dx, dy) = (DVec2::X + dx / (2.0 * e), DVec2::Y + dy / (2.0 * e));
+                    least = f64::min(least, dx.perp_dot(dy));
+                }
+            }
+        });
+    }
+    assert!(least > 0.0 && least < 0.99, "{least} of the area is left where it is squeezed most");
 }
 
 /// Ground that faces down lies over other ground.
