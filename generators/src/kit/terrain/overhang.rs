@@ -60,6 +60,8 @@ impl Inward {
 const STRAY_M: f64 = 0.15;
 /// Halves of edges are no shorter, m.
 const SHORTEST_M: f64 = 0.5;
+/// Distance of the levels on which steep edges are cut, m.
+const LEVEL_M: f64 = 0.5;
 /// Distance of the places of an edge that are asked how they move, m.
 const PROBE_M: f64 = 0.5;
 /// So often is a triangle cut at most. The parts of an edge are asked as often from both its sides; edges across thin triangles might be
@@ -155,12 +157,12 @@ fn cut(mesh: &mut Mesh, undercut: &impl Undercut) {
             let (a, b) = (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
             let [p, q] = [a, b].map(|v| point(mesh.positions_m[v as usize]));
             let cut = || {
-                strays(p, q, undercut).then(|| {
-                    mesh.positions_m.push(quantise_point((p + q) * 0.5));
-                    let [m, n] = [a, b].map(|v| point(mesh.normals[v as usize]));
-                    mesh.normals.push((m + n).try_normalize().unwrap_or(m).as_vec3().to_array());
-                    mesh.positions_m.len() as u32 - 1
-                })
+                let at = cut_at(p, q, undercut)?;
+                mesh.positions_m.push(quantise_point(at));
+                let [m, n] = [a, b].map(|v| point(mesh.normals[v as usize]));
+                let part = at.distance(p) / q.distance(p);
+                mesh.normals.push(m.lerp(n, part).try_normalize().unwrap_or(m).as_vec3().to_array());
+                Some(mesh.positions_m.len() as u32 - 1)
             };
             if depth < DEEPEST { *cuts.entry((a, b)).or_insert_with(cut) } else { None }
         });
@@ -198,19 +200,28 @@ fn parts(t: [u32; 3], cuts: [Option<u32>; 3], mut part: impl FnMut([u32; 3])) {
     }
 }
 
-/// Whether an edge is to be halved; the same for both directions.
-fn strays(a: DVec3, b: DVec3, undercut: &impl Undercut) -> bool {
-    let length = a.distance(b);
-    if length < 2.0 * SHORTEST_M {
-        return false;
-    }
+/// Where an edge is to be cut, if it is; the same for both directions. Steep edges are cut on levels that all of them share, so that
+/// what lies beside one another moves alike; flat ones in the middle.
+fn cut_at(a: DVec3, b: DVec3, undercut: &impl Undercut) -> Option<DVec3> {
     // From the same end whoever asks.
-    let (a, b) = if (a.x, a.y, a.z) <= (b.x, b.y, b.z) { (a, b) } else { (b, a) };
+    let (a, b) = if (a.z, a.x, a.y) <= (b.z, b.x, b.y) { (a, b) } else { (b, a) };
+    let length = a.distance(b);
     let [from, to] = [a, b].map(|end| undercut.shift_m(end));
-    let probes = libm::ceil(length / PROBE_M) as u32;
-    (1..probes)
-        .map(|k| f64::from(k) / f64::from(probes))
-        .any(|part| undercut.shift_m(a.lerp(b, part)).distance(from.lerp(to, part)) > STRAY_M)
+    let probes = libm::ceil(length / PROBE_M).max(1.0) as u32;
+    let parts = (1..probes).map(|k| f64::from(k) / f64::from(probes));
+    let mut shifts = parts.map(|part| (undercut.shift_m(a.lerp(b, part)), part));
+    // The level that is a multiple of the highest power of two.
+    let (low, high) = ((libm::floor(a.z / LEVEL_M) as i64 + 1), (libm::ceil(b.z / LEVEL_M) as i64 - 1));
+    if low <= high {
+        if from == DVec2::ZERO && to == DVec2::ZERO && shifts.all(|s| s.0 == DVec2::ZERO) {
+            return None;
+        }
+        let coarsest = (0..40).rev().map(|k| 1_i64 << k).find(|step| high.div_euclid(*step) * step >= low)?;
+        let z = (high.div_euclid(coarsest) * coarsest) as f64 * LEVEL_M;
+        return Some(a.lerp(b, (z - a.z) / (b.z - a.z)).with_z(z));
+    }
+    let strays = length >= 2.0 * SHORTEST_M && shifts.any(|(s, part)| s.distance(from.lerp(to, part)) > STRAY_M);
+    strays.then(|| (a + b) * 0.5)
 }
 
 #[cfg(test)]
