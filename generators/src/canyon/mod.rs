@@ -4,10 +4,8 @@ mod dress;
 mod relief;
 mod scatter;
 mod strata;
-mod undercuts;
 mod valley;
 
-use crate::kit::terrain::overhang::carve;
 use crate::kit::terrain::tiling::{Tiling, normal_of_slope, place_terrain};
 use crate::kit::terrain::tin::{Breakline, Grain, Ground, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
@@ -18,11 +16,10 @@ use relief::{Cover, POST_M, Relief};
 use satseed_scene::{Class, Mesh, Object, Scene, SeedPath, quantise_m};
 use serde::{Deserialize, Serialize};
 use strata::Strata;
-use undercuts::Undercuts;
 use valley::{Channels, Fold, Trunk};
 
 /// Raised whenever the same parameters and seed give other bytes.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 1;
 
 /// Parameters of a canyon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -129,16 +126,10 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         full_detail_radius_m: params.radius_m,
         ..Scene::default()
     };
-    let undercuts = Undercuts::new(&relief, &path.child("undercuts"));
-    let finished = |tile| {
-        let mut mesh = dressed(tile, &relief, &river, trunk.is_dry);
-        carve(&mut mesh, &undercuts);
-        mesh
-    };
-    let meshes: Vec<Mesh> = tiles.into_par_iter().map(finished).collect();
+    let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(tile, &relief, &river, trunk.is_dry)).collect();
     place_terrain(&mut scene, meshes);
     let reach_m = window_half_m.min(params.radius_m + 60.0);
-    scatter::scatter(&mut scene, &relief, &undercuts, reach_m, strata.cliff_colors(), &path.child("scatter"));
+    scatter::scatter(&mut scene, &relief, reach_m, strata.cliff_colors(), &path.child("scatter"));
     scene
 }
 

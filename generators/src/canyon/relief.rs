@@ -19,7 +19,7 @@ use satseed_scene::{Raster, SeedPath, hash_cell, unit_from_hash};
 /// Distance of the window's posts, m.
 pub(super) const POST_M: f64 = 0.5;
 /// Distance of the posts on which walls are worn, m.
-pub(super) const WORN_M: f64 = 2.0;
+const WORN_M: f64 = 2.0;
 /// Distance of the posts of the whole scene's plan, m.
 const FAR_M: f64 = 4.0;
 /// Posts beyond the full-detail tiles, m.
@@ -36,12 +36,12 @@ struct Seeds {
 
 /// The finished ground.
 pub(super) struct Relief<'a> {
-    pub(super) strata: &'a Strata,
-    pub(super) fold: &'a Fold,
+    strata: &'a Strata,
+    fold: &'a Fold,
     trunk: &'a Trunk,
     channels: &'a Channels,
     seeds: Seeds,
-    pub(super) roughness: f64,
+    roughness: f64,
     /// For the whole scene, which channel each post's wall climbs from.
     far_source: Raster<u32>,
     /// The unsmoothed height field of the full-detail part, `POST_M` apart.
@@ -53,7 +53,7 @@ pub(super) struct Relief<'a> {
 /// What the making of the window leaves behind for materials and plants.
 pub(super) struct Worn {
     /// Distance in the strata's profile.
-    pub(super) distance_m: Raster<f32>,
+    distance_m: Raster<f32>,
     /// How far above its channel, in the same measure.
     climb_m: Raster<f32>,
     /// Thickness of scree, m.

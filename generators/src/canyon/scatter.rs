@@ -1,12 +1,10 @@
 //! What lies and grows on the ground: fallen blocks, shrubs.
 
 use super::relief::Relief;
-use super::undercuts::Undercuts;
 use crate::kit::rock::block;
 use crate::kit::scatter::{Cell, Kind, Placed, add, lowest, place, variation};
 use crate::kit::shrub::shrub;
 use crate::kit::terrain::noise::fractal;
-use crate::kit::terrain::overhang::Undercut;
 use crate::kit::terrain::sampling::smoothstep;
 use crate::kit::terrain::tin::Ground;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -19,29 +17,22 @@ const SHRUB_CELL_M: f64 = 2.0;
 const BLOCK_CELL_M: f64 = 2.0;
 
 /// Adds shrubs and blocks within `reach_m` of the pivot.
-pub(super) fn scatter(
-    scene: &mut Scene,
-    relief: &Relief<'_>,
-    undercuts: &Undercuts<'_>,
-    reach_m: f64,
-    rock_colors: Vec<Bands>,
-    path: &SeedPath,
-) {
+pub(super) fn scatter(scene: &mut Scene, relief: &Relief<'_>, reach_m: f64, rock_colors: Vec<Bands>, path: &SeedPath) {
     let blocks = path.child("block");
     let meshes = (0..VARIANTS).map(|k| block(&blocks.child("mesh").index(k as u64))).collect();
     let materials = vec![block_material(rock_colors, &blocks)];
-    let things = place(reach_m, BLOCK_CELL_M, |cell| block_at(relief, undercuts, &blocks, cell));
+    let things = place(reach_m, BLOCK_CELL_M, |cell| block_at(relief, &blocks, cell));
     add(scene, Kind { meshes, materials, class: Class::Rock }, reach_m, things);
 
     let shrubs = path.child("shrub");
     let meshes = (0..VARIANTS).map(|k| shrub(&shrubs.child("mesh").index(k as u64))).collect();
-    let things = place(reach_m, SHRUB_CELL_M, |cell| shrub_at(relief, undercuts, &shrubs, cell));
+    let things = place(reach_m, SHRUB_CELL_M, |cell| shrub_at(relief, &shrubs, cell));
     let kind = Kind { meshes, materials: shrub_materials(&shrubs), class: Class::LowVegetation };
     add(scene, kind, reach_m, things);
 }
 
 /// Blocks lie on scree, fewer on the floor at the walls' feet, and on ledges. Sizes follow a power law.
-fn block_at(relief: &Relief<'_>, undercuts: &Undercuts<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
+fn block_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
     let p = cell.point(0.5, 0.5);
     let cover = relief.cover(p);
     if cover.bank_m < -1.0 {
@@ -60,8 +51,7 @@ fn block_at(relief: &Relief<'_>, undercuts: &Undercuts<'_>, path: &SeedPath, cel
     // Pareto: number above a size falls with the power -1.8, density with -2.8.
     let size = (0.5 * libm::pow(1.0 - rng.unit(), -1.0 / 1.8)).min(4.0);
     let slope = relief.slope(p);
-    // Nothing lies where the ground below it is hollowed out.
-    if slope.length() > 1.3 || !undercuts.spares(p.extend(relief.height_m(p)), 0.6 * size) {
+    if slope.length() > 1.3 {
         return None;
     }
     let normal = DVec3::new(-slope.x, -slope.y, 1.0).normalize();
@@ -83,7 +73,7 @@ fn block_at(relief: &Relief<'_>, undercuts: &Undercuts<'_>, path: &SeedPath, cel
 }
 
 /// Shrubs stand along the wash, on shaded slopes, and in the plateau's soil.
-fn shrub_at(relief: &Relief<'_>, undercuts: &Undercuts<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
+fn shrub_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
     let seed = path.hash_u32();
     let first = cell.draw(seed);
     if first > 0.5 {
@@ -110,9 +100,6 @@ fn shrub_at(relief: &Relief<'_>, undercuts: &Undercuts<'_>, path: &SeedPath, cel
     let wet = wash > 0.5;
     let height = rng.lognormal(if wet { 1.15 } else { 0.75 }, 0.35).clamp(0.45, 2.2);
     let width = height * rng.range(0.9, 1.45);
-    if !undercuts.spares(p.extend(relief.height_m(p)), 0.5 * width) {
-        return None;
-    }
     let base = lowest(relief, p, 0.2 * width) - 0.03;
     let at_m = p.extend(base);
     let lean = DVec3::new(rng.signed(), rng.signed(), 0.0) * 0.12;

@@ -1,7 +1,6 @@
 use super::*;
-use crate::kit::checks::{assert_between, assert_closed, assert_rooted, terrain};
+use crate::kit::checks::{assert_between, assert_closed, assert_rooted};
 use crate::kit::terrain::flow::NEIGHBOURS;
-use crate::kit::terrain::overhang::Undercut;
 use std::sync::OnceLock;
 
 fn params(radius_m: f64) -> Params {
@@ -41,72 +40,18 @@ fn the_number_of_threads_does_not_show() {
     assert_eq!(with(1), small().hash());
 }
 
-fn seeds_build(seeds: core::ops::Range<u64>) {
-    seeds.into_par_iter().for_each(|k| {
-        let params = Params {
-            relief_m: [120.0, 170.0, 220.0][k as usize % 3],
-            roughness: [1.0, 2.0, 0.0, 0.5][k as usize % 4],
-            texture_contrast: [1.0, 0.0, 2.0][k as usize / 2 % 3],
-            ..params(60.0)
-        };
-        // Some small, some large.
-        let scene = build(&params, root(k.wrapping_mul(if k % 2 == 0 { 1 } else { 0x9e37_79b9_7f4a_7c15 })));
-        assert_between(&scene, params.height_bounds_m(), &format!("{k}, {params:?}"));
-        assert!(scene.instances.iter().any(|i| i.object != 0), "{k}: nothing lies or grows");
-        assert_closed(&scene, tiling(60.0).scene_half_m());
-    });
-}
-
 #[test]
 fn any_seed_keeps_the_stated_bounds() {
-    seeds_build(0..4);
-}
-
-#[test]
-#[ignore = "long: 200 scenes"]
-fn two_hundred_seeds_build_within_the_stated_bounds() {
-    seeds_build(1000..1200);
-}
-
-/// At every height the plane is squeezed and stretched, and nowhere folded: what is moved by this crosses itself nowhere.
-#[test]
-fn hollows_fold_no_plane() {
-    let mut least = f64::MAX;
-    for seed in [1, 2, 3] {
-        with_relief(seed, 60.0, |relief| {
-            let undercuts = Undercuts::new(relief, &root(seed).child("undercuts"));
-            let e = 0.05;
-            for (x, y) in (-150..150).flat_map(|x| (-150..150).map(move |y| (f64::from(x), f64::from(y)))) {
-                for p in (-80..10).map(|z| DVec3::new(x * 0.8, y * 0.8, 2.0 * f64::from(z))) {
-                    let at = |q: DVec3| undercuts.shift_m(q);
-                    if (p.z - relief.height_m(p.truncate())).abs() > 6.0 || at(p) == DVec2::ZERO {
-                        continue;
-                    }
-                    let (dx, dy) =
-                        (at(p + DVec3::X * e) - at(p - DVec3::X * e), at(p + DVec3::Y * e) - at(p - DVec3::Y * e));
-                    let (dx, dy) = (DVec2::X + dx / (2.0 * e), DVec2::Y + dy / (2.0 * e));
-                    least = f64::min(least, dx.perp_dot(dy));
-                }
-            }
-        });
+    for seed in 0..4 {
+        let params = Params {
+            relief_m: [120.0, 170.0, 220.0][seed as usize % 3],
+            roughness: [1.0, 2.0][seed as usize % 2],
+            ..params(60.0)
+        };
+        let scene = build(&params, root(seed));
+        assert_between(&scene, params.height_bounds_m(), &format!("seed {seed}"));
+        assert!(scene.instances.iter().any(|i| i.object != 0), "seed {seed}: nothing lies or grows");
     }
-    assert!(least > 0.0 && least < 0.99, "{least} of the area is left where it is squeezed most");
-}
-
-/// Ground that faces down lies over other ground.
-#[test]
-fn walls_overhang() {
-    let seen_from_above = |t: &[DVec3; 3]| (t[1] - t[0]).truncate().perp_dot((t[2] - t[0]).truncate()) / 2.0;
-    let (mut down_m2, mut all_m2) = (0.0, 0.0);
-    for t in terrain(small()) {
-        let area_m2 = seen_from_above(&t);
-        down_m2 += (-area_m2).max(0.0);
-        all_m2 += area_m2;
-    }
-    // What folds over itself is counted once up, once down: the plan is that of the square.
-    let side_m = 2.0 * tiling(60.0).scene_half_m();
-    assert!((all_m2 - side_m * side_m).abs() < 1.0, "{all_m2} of {}", side_m * side_m);
-    assert!(down_m2 > 250.0, "{down_m2} square metres overhang");
 }
 
 #[test]

@@ -2,20 +2,17 @@
 
 mod chop;
 mod dress;
-mod notch;
 mod relief;
 mod scatter;
 mod shore;
 mod swell;
 
-use crate::kit::terrain::overhang::carve;
 use crate::kit::terrain::tiling::{Tiling, normal_of_slope, place_terrain};
 use crate::kit::terrain::tin::{Grain, Ground, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
 use dress::slot;
 pub(crate) use dress::{coded_depth, over_depth};
 use glam::{DVec2, DVec3};
-use notch::Notch;
 use rayon::prelude::*;
 use relief::{POST_M, Relief};
 use satseed_scene::{Class, Mesh, Object, Scene, SeedPath};
@@ -23,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Raised whenever the same parameters and seed give other bytes.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 1;
 
 /// What the sea meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -132,19 +129,11 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         full_detail_radius_m: params.radius_m,
         ..Scene::default()
     };
-    let notch = relief.cliffs.then(|| Notch::new(&relief.shore, window_half_m, &path.child("notch")));
-    let finished = |tile| {
-        let mut mesh = dressed(&tile, &relief);
-        if let Some(notch) = &notch {
-            carve(&mut mesh, notch);
-        }
-        mesh
-    };
-    let meshes: Vec<Mesh> = tiles.into_par_iter().map(finished).collect();
+    let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(&tile, &relief)).collect();
     place_terrain(&mut scene, meshes);
     // What stands at the rim must find the ground under all of it in full detail.
     let reach_m = (window_half_m - 6.0).min(params.radius_m + 60.0);
-    scatter::scatter(&mut scene, &relief, notch.as_ref(), reach_m, params.plants, &path.child("scatter"));
+    scatter::scatter(&mut scene, &relief, reach_m, params.plants, &path.child("scatter"));
     scene
 }
 

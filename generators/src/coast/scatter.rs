@@ -1,12 +1,10 @@
 //! What lies and grows on the coast: boulders below cliffs, groynes of blocks, tufts of marram, bushes.
 
-use super::notch::Notch;
 use super::relief::Relief;
 use crate::kit::rock::block;
 use crate::kit::scatter::{self, Cell, Kind, Placed, add, place, variation};
 use crate::kit::shrub::{planted, shrub};
 use crate::kit::terrain::noise::fractal;
-use crate::kit::terrain::overhang::Undercut;
 use crate::kit::terrain::sampling::smoothstep;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Rng, Scene, SeedPath, quantise_m};
@@ -18,19 +16,13 @@ const TUFT_CELL_M: f64 = 2.2;
 const BUSH_CELL_M: f64 = 4.5;
 
 /// Adds everything within `reach_m` of the pivot.
-pub(super) fn scatter(
-    scene: &mut Scene,
-    relief: &Relief,
-    notch: Option<&Notch<'_>>,
-    reach_m: f64,
-    plants: f64,
-    path: &SeedPath,
-) {
+pub(super) fn scatter(scene: &mut Scene, relief: &Relief, reach_m: f64, plants: f64, path: &SeedPath) {
     let stones = path.child("stone");
     let meshes = (0..VARIANTS).map(|k| block(&stones.child("mesh").index(k as u64))).collect();
-    let things = match notch {
-        Some(notch) => place(reach_m, BOULDER_CELL_M, |cell| boulder(relief, notch, &stones, cell)),
-        None => groynes(relief, &path.child("groyne")),
+    let things = if relief.cliffs {
+        place(reach_m, BOULDER_CELL_M, |cell| boulder(relief, &stones, cell))
+    } else {
+        groynes(relief, &path.child("groyne"))
     };
     add(
         scene,
@@ -79,7 +71,7 @@ fn lying(at: DVec3, size_m: f64, rng: &mut Rng, path: String) -> Placed {
 }
 
 /// Fallen blocks at the foot of cliffs and around reefs.
-fn boulder(relief: &Relief, notch: &Notch<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
+fn boulder(relief: &Relief, path: &SeedPath, cell: Cell) -> Option<Placed> {
     let (draw, corner) = (cell.draw(path.hash_u32()), cell.point(0.0, 0.0));
     if draw > 0.75 {
         return None;
@@ -99,9 +91,6 @@ fn boulder(relief: &Relief, notch: &Notch<'_>, path: &SeedPath, cell: Cell) -> O
     // Number above a size falls with the power -2.
     let size = (0.7 / f64::sqrt(1.0 - rng.unit())).min(5.0);
     let z = lowest(relief, p, 0.4 * size) + 0.10 * size - 0.03;
-    if !notch.spares(p.extend(z), 0.5 * size) {
-        return None;
-    }
     Some(lying(p.extend(z), size, &mut rng, cell.name("boulder")))
 }
 

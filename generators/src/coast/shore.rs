@@ -4,7 +4,7 @@ use super::{HALF_M, Variant};
 use crate::kit::terrain::contour::{contours, resampled};
 use crate::kit::terrain::front::{Source, rise};
 use crate::kit::terrain::noise::{fractal, warp};
-use crate::kit::terrain::sampling::{bicubic, blurred, smoothstep};
+use crate::kit::terrain::sampling::{bicubic, smoothstep};
 use glam::DVec2;
 use satseed_scene::{Raster, SeedPath};
 
@@ -58,6 +58,30 @@ pub(super) fn filled(f: impl Fn(DVec2) -> f64 + Sync) -> Raster<f32> {
         height: shape.height,
         data: rows.concat(),
     }
+}
+
+/// Mean over a square of `2 half + 1` posts a side, three times: about a bell.
+pub(super) fn blurred(mut values: Raster<f32>, half: usize) -> Raster<f32> {
+    for _ in 0..3 {
+        for axis in 0..2 {
+            let (n, lines) = if axis == 0 { (values.width, values.height) } else { (values.height, values.width) };
+            for line in 0..lines {
+                let at = |k: i64| {
+                    let k = k.clamp(0, n as i64 - 1) as usize;
+                    if axis == 0 { line * n + k } else { k * values.width + line }
+                };
+                let old: Vec<f64> = (0..n as i64).map(|k| f64::from(values.data[at(k)])).collect();
+                let from = |k: i64| old[k.clamp(0, n as i64 - 1) as usize];
+                let half = half as i64;
+                let mut sum: f64 = (-half..=half).map(from).sum();
+                for k in 0..n as i64 {
+                    values.data[at(k)] = (sum / (2 * half + 1) as f64) as f32;
+                    sum += from(k + half + 1) - from(k - half);
+                }
+            }
+        }
+    }
+    values
 }
 
 impl Shore {
@@ -131,11 +155,6 @@ impl Shore {
         );
         let inland = Raster { data: distance.data.iter().zip(&side.data).map(|(d, s)| d * s).collect(), ..sea.clone() };
         Self { out, inland, sandy, along }
-    }
-
-    /// Distance from the shore at all posts, m, positive on land.
-    pub(super) fn inland(&self) -> &Raster<f32> {
-        &self.inland
     }
 
     pub(super) fn at(&self, p: DVec2) -> Place {

@@ -1,8 +1,8 @@
 //! Swell: a wave from the open sea whose crests bend over the shallows, rise, break and run up the beach.
 
-use super::shore::filled;
+use super::shore::{blurred, filled};
 use crate::kit::terrain::noise::fractal;
-use crate::kit::terrain::sampling::{bicubic, blurred, smoothstep};
+use crate::kit::terrain::sampling::{bicubic, smoothstep};
 use glam::DVec2;
 use satseed_scene::{Raster, SeedPath};
 use std::cmp::Reverse;

@@ -1,4 +1,4 @@
-//! Reading rasters between their posts, and smoothing them.
+//! Reading rasters between their posts.
 
 use glam::DVec2;
 use satseed_scene::Raster;
@@ -45,30 +45,6 @@ pub fn gradient(raster: &Raster<f32>, i: usize, j: usize) -> DVec2 {
         difference(raster.get(west, j), raster.get(east, j), east - west),
         difference(raster.get(i, south), raster.get(i, north), north - south),
     )
-}
-
-/// Mean over a square of `2 half + 1` posts a side, three times: about a bell.
-pub fn blurred(mut values: Raster<f32>, half: usize) -> Raster<f32> {
-    for _ in 0..3 {
-        for axis in 0..2 {
-            let (n, lines) = if axis == 0 { (values.width, values.height) } else { (values.height, values.width) };
-            for line in 0..lines {
-                let at = |k: i64| {
-                    let k = k.clamp(0, n as i64 - 1) as usize;
-                    if axis == 0 { line * n + k } else { k * values.width + line }
-                };
-                let old: Vec<f64> = (0..n as i64).map(|k| f64::from(values.data[at(k)])).collect();
-                let from = |k: i64| old[k.clamp(0, n as i64 - 1) as usize];
-                let half = half as i64;
-                let mut sum: f64 = (-half..=half).map(from).sum();
-                for k in 0..n as i64 {
-                    values.data[at(k)] = (sum / (2 * half + 1) as f64) as f32;
-                    sum += from(k + half + 1) - from(k - half);
-                }
-            }
-        }
-    }
-    values
 }
 
 /// 0 below `from`, 1 above `to`, smooth between.
