@@ -24,6 +24,9 @@ pub(super) const SAND_FROM_M: f64 = 0.2;
 /// The only raster.
 const COVER: u32 = 0;
 
+/// Factor on the contrast of all that is wider than a few metres.
+const WIDE: f32 = 0.5;
+
 /// Channels of the cover.
 mod channel {
     /// How much sand covers the flats.
@@ -156,9 +159,11 @@ fn palette(rng: &mut Rng) -> Palette {
 pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<Material> {
     let seed = |name: &str| path.child(name).hash_u32();
     let k = contrast as f32;
+    // What is wider than a few metres differs less: deserts are of one tone, and their form makes the rest.
+    let wide = WIDE * k;
     let colors = palette(&mut path.child("palette").rng());
     // Every colour stands as far from the sand's as the contrast says.
-    let apart = |c: Bands| colors.sand.lerp(c, k).map(|v| v.max(0.03));
+    let apart = |c: Bands| colors.sand.lerp(c, wide).map(|v| v.max(0.03));
     let raster = |channel: u8| Field::Raster { raster: COVER, channel };
     let product = Field::Product;
     let along = |d: DVec2| [d.x, d.y];
@@ -183,11 +188,11 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
     let common = |m: Material| {
         m
             // Three scales: patches, stains, grain.
-            .with(Layer::Brightness { amount: raster(channel::TONE).affine(0.20 * k, -0.10 * k) })
-            .with(Layer::Brightness { amount: raster(channel::STAIN).affine(0.16 * k, -0.08 * k) })
+            .with(Layer::Brightness { amount: raster(channel::TONE).affine(0.20 * wide, -0.10 * wide) })
+            .with(Layer::Brightness { amount: raster(channel::STAIN).affine(0.16 * wide, -0.08 * wide) })
             .with(Layer::Tint {
                 tint: Bands::new(-0.7, -0.15, 0.45, 0.4),
-                amount: raster(channel::HUE).affine(0.14 * k, -0.07 * k),
+                amount: raster(channel::HUE).affine(0.14 * wide, -0.07 * wide),
             })
             .with(Layer::Brightness { amount: product(vec![raster(channel::TRACK), ruts.clone()]).times(-0.12 * k) })
     };
