@@ -392,7 +392,7 @@ impl<'a> Site<'a> {
             if polygon::area(&track) < 0.0 {
                 track.reverse();
             }
-            self.lay(Layer::Front, &track, slot::INFIELD);
+            self.lay(Layer::Front, &track, slot::REAR[6]);
         }
         let thickets: Vec<(DVec2, f64)> =
             (0..2 + rng.below(5)).map(|_| (anywhere(rng), rng.range(6.0, 26.0))).collect();
