@@ -22,7 +22,7 @@ import tifffile
 from PIL import Image
 from scipy.ndimage import maximum_filter, uniform_filter
 
-ROAD, ROOF, FACADE, BRIDGE, TREE, WATER = 2, 3, 4, 5, 7, 8
+ROOF, FACADE, BRIDGE, TREE, WATER = 3, 4, 5, 7, 8
 VALID, OCCLUDED = 1, 2
 
 
@@ -216,7 +216,7 @@ def coast(pair):
 
 # Of a frame from 1 km, at these baselines: what boxes hide, by a simulation on a grid of 0.6 m.
 BASELINES_M = [50, 100, 150, 200]
-# How far above or below a city may lie, which has more than boxes.
+# How far above or below that, and other rough figures, a city may lie.
 TO_BOXES = (0.7, 2.0)
 
 
@@ -292,13 +292,13 @@ def venice(pair):
     water = (classes == WATER).mean()
     deck = classes == BRIDGE
     paths = [o["path"] for o in pair.scene["objects"]]
-    bridges = {paths[i].split("/part")[0] for i in np.unique(pair.label("instance")[deck])}
+    bridges = {paths[i] for i in np.unique(pair.label("instance")[deck])}
     return city(pair, [0.8, 1.3, 1.9, 2.4], True) | {
         "built, of land": (built / (1 - water), 0.65, 0.76),
         "water": (water, 0.12, 0.18),
         "eaves and roofs, 10 %, m": (np.percentile(heights, 10), 7, 22),
         "eaves and roofs, 90 %, m": (np.percentile(heights, 90), 7, 22),
-        "bridges, seen": (len(bridges), None, None),
+        "bridges": (len(bridges), *(20 * k for k in TO_BOXES)),
     }
 
 
