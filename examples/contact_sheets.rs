@@ -1,7 +1,8 @@
 //! Contact sheets: the same views of the same seeds after every change, to be looked at.
 //!
 //! `cargo run --release --example contact_sheets [REGION ...]` writes docs/sheets/<region>-{nadir,detail,oblique}.jpg:
-//! five seeds and more, each variant among them; the whole frame from above, two crops of 512 x 512 pixels at the sensor's own 0.3 m, three oblique views.
+//! five seeds and more, each variant among them; the whole frame from above, two crops of 512 x 512 pixels at the
+//! sensor's own 0.3 m, three oblique views.
 
 #![allow(clippy::print_stderr)]
 
