@@ -35,6 +35,15 @@ pub(super) fn plan(params: &Params, slab: &Slab<'_>, height_m: &dyn Fn(DVec2) ->
     site.out
 }
 
+/// A tree as they stand in parks and on open land.
+fn any_tree(rng: &mut Rng) -> Plant {
+    match rng.weighted(&[0.78, 0.12, 0.1]) {
+        0 => Plant::Broad,
+        1 => Plant::Upright,
+        _ => Plant::Palm,
+    }
+}
+
 impl<'a> Site<'a> {
     pub(super) fn new(slab: &'a Slab<'a>, params: &'a Params, height_m: &'a dyn Fn(DVec2) -> f64) -> Self {
         Self { slab, params, height_m, out: Content::default(), taken: Vec::new() }
@@ -240,11 +249,7 @@ impl<'a> Site<'a> {
     pub(super) fn woods(&mut self, count: u32, rng: &mut Rng, [u0, u1, v0, v1]: [f64; 4]) {
         for _ in 0..libm::floor(f64::from(count) * self.params.trees) as u32 {
             let (u, v) = (rng.range(u0, u1), rng.range(v0, v1));
-            let plant = match rng.weighted(&[0.78, 0.12, 0.1]) {
-                0 => Plant::Broad,
-                1 => Plant::Upright,
-                _ => Plant::Palm,
-            };
+            let plant = any_tree(rng);
             let size = rng.range(0.8, 1.5);
             self.tree(u, v, plant, size);
         }
@@ -404,12 +409,8 @@ impl<'a> Site<'a> {
                 let near = rng.chance(0.65);
                 let beside = DVec2::new(rng.normal(), rng.normal()) * reach;
                 let p = if near { middle + beside } else { anywhere(rng) };
-                let plant = match rng.weighted(&[0.78, 0.12, 0.1]) {
-                    _ if !tree => Plant::Shrub,
-                    0 => Plant::Broad,
-                    1 => Plant::Upright,
-                    _ => Plant::Palm,
-                };
+                let kind = any_tree(rng);
+                let plant = if tree { kind } else { Plant::Shrub };
                 let size = if tree { rng.range(0.6, 1.5) } else { libm::exp(0.45 * rng.normal()).clamp(0.5, 2.4) };
                 if (u0..u1).contains(&p.x) && (v0..v1).contains(&p.y) {
                     self.tree(p.x, p.y, plant, size);

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::city::california::Params;
 use crate::city::california::land::Land;
+use crate::city::california::layout::Line;
 use crate::kit::mesh_builder::MeshBuilder;
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec2;
@@ -16,9 +17,6 @@ use satseed_scene::SeedPath;
 const BESIDE_M: f64 = HALF_M + RAMP_HALF_M + 1.7;
 /// Where a ramp's middle begins and ends inside a freeway's deck, m.
 const INSIDE_M: f64 = HALF_M - RAMP_HALF_M - 0.4;
-
-/// Half width of the land along a freeway, m.
-const STRIP_M: f64 = 52.0;
 
 /// A way from one freeway to the other, in the quarter's own frame: x to the right of, y along the freeway that it leaves.
 pub(super) struct Turn {
@@ -60,8 +58,9 @@ fn in_the_way(form: &Form, p: DVec2) -> bool {
 
 /// Whether a place lies over a street, `streets` being those below the lower and the upper freeway.
 fn over_street(streets: &[Vec<[f64; 2]>; 2], p: DVec2) -> bool {
+    let strip_m = Line::Freeway.half_row_m();
     let below = |upper: usize, s: f64| streets[upper].iter().any(|[low, high]| (*low..*high).contains(&s));
-    (p.x.abs() < STRIP_M && below(0, p.y)) || (p.y.abs() < STRIP_M && below(1, -p.x))
+    (p.x.abs() < strip_m && below(0, p.y)) || (p.y.abs() < strip_m && below(1, -p.x))
 }
 
 /// Builds a ramp, with who drives on it.
@@ -103,7 +102,7 @@ pub(super) fn build(
         let (p, above) = (path[k], sweep.stations[k].3);
         // Beside a freeway's embankment, at its height, it shares that.
         let shares = [(false, p.x, p.y), (true, p.y, p.x)].into_iter().any(|(upper, across, along)| {
-            across.abs() < STRIP_M
+            across.abs() < Line::Freeway.half_row_m()
                 && along.abs() > VIADUCT_M[usize::from(upper)]
                 && (above - freeway_m(upper, along)).abs() < 0.5
         });
