@@ -30,10 +30,13 @@ fn main() -> anyhow::Result<()> {
         if asked.is_empty() { Region::NAMES.to_vec() } else { asked.iter().map(String::as_str).collect() };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sheets");
     std::fs::create_dir_all(&folder)?;
+    let preset = Preset::by_name("satseed").context("the preset `satseed`")?;
+    let plan = Plan::new(&Recipe::parse_with(preset.name, preset.text, &[])?)?;
     for name in names {
+        let variants = plan.variants(name);
+        anyhow::ensure!(!variants.is_empty(), "no region is called `{name}`; there are {}", Region::NAMES.join(", "));
         let mut sheets: [Vec<Vec<Image>>; 3] = Default::default();
         // A sheet shows all kinds of dunes, fields, forests, coasts and cities, and no fewer than five scenes.
-        let variants = variants(name)?;
         let count = variants.len().max(SCENES);
         for (seed, region) in (1..).zip(variants.iter().cycle().take(count)) {
             let scene = region.build(seed);
@@ -55,17 +58,6 @@ fn main() -> anyhow::Result<()> {
         write(&folder.join(format!("{name}-oblique.jpg")), &sheets[2])?;
     }
     Ok(())
-}
-
-/// Each variant of a region, as the preset `satseed` has it.
-fn variants(name: &str) -> anyhow::Result<Vec<Region>> {
-    let preset = Preset::by_name("satseed").context("the preset `satseed`")?;
-    let recipe = Recipe::parse_with(preset.name, preset.text, &[])?;
-    let mut all: Vec<Region> = Plan::new(&recipe)?.scenes.into_iter().map(|s| s.region).collect();
-    all.retain(|region| region.name() == name);
-    all.dedup_by_key(|region| region.variant());
-    anyhow::ensure!(!all.is_empty(), "no region is called `{name}`; there are {}", Region::NAMES.join(", "));
-    Ok(all)
 }
 
 /// The cameras of the three sheets: whole frame, crops, oblique.

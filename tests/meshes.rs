@@ -202,10 +202,7 @@ fn estates_and_rail_corridors_are_whole() {
 fn variants(name: &str) -> Vec<Region> {
     let preset = Preset::by_name("satseed").expect("a preset");
     let recipe = Recipe::parse_with("satseed", preset.text, &[]).expect("a recipe");
-    let mut all: Vec<Region> = Plan::new(&recipe).expect("a plan").scenes.into_iter().map(|s| s.region).collect();
-    all.retain(|r| r.name() == name);
-    all.sort_by_key(Region::variant);
-    all.dedup_by_key(|r| r.variant());
+    let all = Plan::new(&recipe).expect("a plan").variants(name);
     assert!(!all.is_empty(), "{name} is in the preset");
     all
 }

@@ -177,6 +177,17 @@ impl Plan {
         self.scenes.iter().map(|scene| scene.pairs.len()).sum()
     }
 
+    /// A region as each of its variants has it first, in plan order; none if no scene is of that name.
+    pub fn variants(&self, region: &str) -> Vec<Region> {
+        let mut found: Vec<Region> = Vec::new();
+        for scene in self.scenes.iter().filter(|scene| scene.region.name() == region) {
+            if found.iter().all(|known| known.variant() != scene.region.variant()) {
+                found.push(scene.region.clone());
+            }
+        }
+        found
+    }
+
     /// How many pairs of each split, in the order of [`Split::ALL`].
     pub fn split_counts(&self) -> [usize; 3] {
         let mut counts = [0; 3];

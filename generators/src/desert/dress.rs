@@ -25,7 +25,7 @@ pub(super) const SAND_FROM_M: f64 = 0.2;
 const COVER: u32 = 0;
 
 /// Factor on the contrast of all that is wider than a few metres.
-const WIDE: f32 = 0.5;
+const WIDE: f32 = 0.47;
 
 /// Channels of the cover.
 mod channel {

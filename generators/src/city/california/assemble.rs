@@ -353,9 +353,11 @@ fn vegetation(a: &mut Assembly<'_>, plan: &CityPlan) {
                     let s = (planted.size * rng.range(0.85, 1.1)).clamp(0.7, 1.15);
                     (palms[kind][n], a.materials.palm_set(), DVec3::splat(s), Class::Tree)
                 }
-                Plant::Shrub => {
-                    let w = planted.size * rng.range(0.9, 1.4);
-                    let h = planted.size * rng.range(0.8, 1.3);
+                Plant::Shrub | Plant::Chaparral => {
+                    let low = planted.plant == Plant::Chaparral;
+                    let (wide, high) = if low { ([1.1, 2.0], [0.5, 0.95]) } else { ([0.9, 1.4], [0.8, 1.3]) };
+                    let w = planted.size * rng.range(wide[0], wide[1]);
+                    let h = planted.size * rng.range(high[0], high[1]);
                     let set = a.materials.shrub_set(rng.below(4) as usize);
                     (shrubs[n], set, DVec3::new(w, w * rng.range(0.8, 1.0), h), Class::LowVegetation)
                 }

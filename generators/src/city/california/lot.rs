@@ -50,6 +50,8 @@ pub(super) enum Plant {
     Palm,
     /// Shrub, hedge plant.
     Shrub,
+    /// Shrub of dry slopes, wider than high.
+    Chaparral,
 }
 
 /// A plant in its place.

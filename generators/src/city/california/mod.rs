@@ -24,7 +24,7 @@ use satseed_scene::{Scene, SeedPath};
 use serde::{Deserialize, Serialize};
 
 /// Raised whenever the same parameters and seed give other bytes.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// Slots of the ground's mesh.
 mod ground_slot {

@@ -112,7 +112,7 @@ impl<'a> Site<'a> {
                 Roof::Flat { parapet_m: 0.3, slot: part::TERRACE },
             ));
         }
-        let what = Furnishing { base_m: roof_m, handlers: 0.42, panels: 0.12, beds: 0.0, bulkhead: 0.12 };
+        let what = Furnishing { base_m: roof_m, machines: 0.42, panels: 0.12, beds: 0.0, bulkhead: 0.12 };
         let inner = polygon::mitred(&outline, 1.0);
         let items = furnish(&inner, &over, what, &key.child("roof"));
         let ridge_m = masses.iter().map(|m| m.roof_m).fold(0.0, f64::max) + parapet_m;

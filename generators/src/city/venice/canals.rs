@@ -76,7 +76,7 @@ impl Grand {
             let t = amplitude_m * libm::sin(core::f64::consts::TAU * s / wave_m + phase)
                 + 22.0 * libm::sin(s / 71.0 + 2.0 * phase);
             points.push(along * s + along.perp() * t);
-            half_widths_m.push(24.5 + 5.0 * libm::sin(core::f64::consts::TAU * s / wide_m + wide_phase));
+            half_widths_m.push(20.5 + 5.0 * libm::sin(core::f64::consts::TAU * s / wide_m + wide_phase));
         }
         Self { points, half_widths_m }
     }

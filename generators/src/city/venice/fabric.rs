@@ -85,7 +85,7 @@ pub(super) fn fill(isle: &Isle, density: f64, path: &SeedPath) -> Fabric {
 
 /// A calle's width, m: lognormal about the median of the city's, with a few salizade.
 fn calle_m(rng: &mut Rng) -> f64 {
-    rng.lognormal(2.15, 0.34).clamp(1.0, 5.0)
+    rng.lognormal(2.3, 0.34).clamp(1.0, 5.0)
 }
 
 impl Filler<'_> {

@@ -46,6 +46,11 @@ fn disc(centre: DVec2, radius_m: f64, corners: usize) -> Vec<DVec2> {
         .collect()
 }
 
+/// A fan in a low ring on a machine whose top is at `z_m`.
+fn fan(b: &mut MeshBuilder, centre: DVec2, radius_m: f64, z_m: f64) {
+    b.prism(slot::METAL, slot::DARK, &disc(centre, radius_m, 8), z_m - 0.1, z_m + 0.18, Wall::PLAIN);
+}
+
 /// Everything on a roof is sunk into it by this, m: nothing floats and nothing is coplanar.
 const SUNK_M: f64 = 0.15;
 
@@ -55,10 +60,46 @@ fn roof_item(b: &mut MeshBuilder, item: &RoofItem) {
     let at = |x: f64, y: f64| item.centre_m + item.axis * (item.half_m.x * x) + item.axis.perp() * (item.half_m.y * y);
     match item.kind {
         RoofItemKind::AirHandler => {
+            let between = |x0: f64, x1: f64, y: f64| [at(x0, -y), at(x1, -y), at(x1, y), at(x0, y)];
+            b.prism(slot::METAL, slot::METAL, &between(-0.74, 1.0, 1.0), low, high, Wall::PLAIN);
+            // The hood slopes down from the end into which it runs.
+            let (foot, top) = (item.base_m + 0.4 * item.height_m, item.base_m + 0.85 * item.height_m);
+            b.frustum(slot::METAL, slot::METAL, &between(-1.0, -0.7, 0.75), &between(-0.8, -0.7, 0.75), foot, top);
+            if item.half_m.x < 1.9 * item.half_m.y {
+                fan(b, at(0.4, 0.0), (item.half_m.y * 0.7).min(item.half_m.x * 0.5), high);
+            }
+        }
+        RoofItemKind::Condenser => {
             b.prism(slot::METAL, slot::METAL, &outline, low, high, Wall::PLAIN);
-            let r = (item.half_m.y * 0.72).min(item.half_m.x * 0.42);
-            for x in [-0.5, 0.5] {
-                b.prism(slot::METAL, slot::DARK, &disc(at(x, 0.0), r, 8), high - 0.1, high + 0.18, Wall::PLAIN);
+            let count = libm::round(item.half_m.x / item.half_m.y).clamp(1.0, 6.0) as u32;
+            let r = (item.half_m.y * 0.78).min(item.half_m.x / f64::from(count) * 0.84);
+            for k in 0..count {
+                fan(b, at((2.0 * f64::from(k) + 1.0) / f64::from(count) - 1.0, 0.0), r, high);
+            }
+        }
+        RoofItemKind::CoolingTower => {
+            let deck = high - 0.8;
+            b.prism(slot::METAL, slot::METAL, &outline, low, deck, Wall::PLAIN);
+            let r = item.half_m.min_element() * 0.82;
+            let (lower, upper) = (disc(item.centre_m, r, 14), disc(item.centre_m, r * 0.9, 14));
+            b.frustum(slot::METAL, slot::DARK, &lower, &upper, deck - 0.1, high);
+        }
+        RoofItemKind::Screen => {
+            let (t, axis) = (0.09, item.axis);
+            for end in [-1.0, 1.0] {
+                let half = DVec2::new(item.half_m.x, t);
+                b.block(slot::WALL, slot::COPING, at(0.0, end), axis, half, low, high);
+                // A little lower than those that they end in, so that no two tops lie in one plane.
+                let half = DVec2::new(t, item.half_m.y);
+                b.block(
+                    slot::WALL,
+                    slot::COPING,
+                    at(end * (1.0 - t / item.half_m.x), 0.0),
+                    axis,
+                    half,
+                    low,
+                    high - 0.04,
+                );
             }
         }
         RoofItemKind::Duct => b.prism(slot::METAL, slot::METAL, &outline, low, high, Wall::PLAIN),

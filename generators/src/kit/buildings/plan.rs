@@ -136,8 +136,14 @@ pub struct Mass {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RoofItemKind {
-    /// Packaged air handler with fans on top.
+    /// Packaged air handler: a box with an intake hood at one end, a fan at the other of short ones.
     AirHandler,
+    /// Condenser: fans in a row, as many as it is longer than wide.
+    Condenser,
+    /// Cooling tower: a fan's stack on a box.
+    CoolingTower,
+    /// Screen around a plant: four walls.
+    Screen,
     /// Duct.
     Duct,
     /// Stair or lift head.
@@ -148,7 +154,7 @@ pub enum RoofItemKind {
     Skylight,
     /// Row of solar panels.
     Panels,
-    /// Round tank or cooling tower.
+    /// Round tank.
     Tank,
     /// Planted bed.
     Bed,

@@ -186,7 +186,7 @@ fn slope(hills: &Hills, land: &Land, corner: DVec2, params: &Params, key: &SeedP
     let mut out = Content::default();
     let mut rng = key.rng();
     let seed = hills.cover_seed;
-    let attempts = libm::floor(TILE_M * TILE_M * 0.1 * params.trees + rng.unit()) as u32;
+    let attempts = libm::floor(TILE_M * TILE_M * 0.24 * params.trees + rng.unit()) as u32;
     for _ in 0..attempts {
         let at = corner + DVec2::new(rng.unit(), rng.unit()) * TILE_M;
         let (draw, size, tall) = (rng.unit(), rng.range(0.75, 1.0), rng.unit());
@@ -197,18 +197,21 @@ fn slope(hills: &Hills, land: &Land, corner: DVec2, params: &Params, key: &SeedP
         let here = land.height_m(at);
         let north = (here - land.height_m(at + DVec2::new(0.0, 6.0))) / 6.0;
         let low = smoothstep(4.0, 32.0, hills.crest_m(flat) - here);
-        let patch = fractal(flat, seed, 46.0, 3, 0.5);
-        let dense = 0.44 + 0.3 * low + 0.55 * north + 0.95 * patch;
-        if draw > dense {
+        // Thickets with ragged borders, each of few gaps, and singles far between on dry ground.
+        let patch = fractal(flat, seed, 46.0, 3, 0.5) + 0.45 * fractal(flat, seed ^ 0x77, 9.0, 2, 0.5);
+        let dense = smoothstep(-0.2, 0.5, 0.08 + 0.35 * low + 0.55 * north + 0.8 * patch);
+        if draw > 0.02 + 0.8 * dense {
             continue;
         }
         let grove = fractal(flat, seed ^ 0x51, 90.0, 2, 0.5);
-        let plant = if low > 0.8 && tall < 0.07 + 0.12 * low {
+        let plant = if low > 0.8 && tall < 0.03 + 0.05 * low {
             Planted { at, plant: Plant::Broad, size: 0.9 + 0.7 * size }
-        } else if grove > 0.3 && tall < 0.1 {
+        } else if grove > 0.3 && tall < 0.045 {
             Planted { at, plant: Plant::Upright, size: 1.1 + 0.6 * size }
         } else {
-            Planted { at, plant: Plant::Shrub, size: 1.0 + 1.5 * size * (0.35 + 0.65 * tall) }
+            // Many low ones, few high ones; higher where they stand close.
+            let spread = 0.45 + 0.8 * tall * tall + 0.5 * dense * tall;
+            Planted { at, plant: Plant::Chaparral, size: 1.5 * size * spread }
         };
         out.plants.push(plant);
     }

@@ -56,7 +56,7 @@ fn a_frame_has_its_relief_and_houses() {
             let all = plan.parts.iter().flat_map(|(_, c)| &c.buildings);
             all.filter(|(_, b)| b.kind == kind && b.plan.centre_m.abs().max_element() < FRAME_HALF_M).count()
         };
-        let shrubs = plan.parts.iter().flat_map(|(_, c)| &c.plants).filter(|p| p.plant == Plant::Shrub).count();
+        let shrubs = plan.parts.iter().flat_map(|(_, c)| &c.plants).filter(|p| p.plant == Plant::Chaparral).count();
         let pools: u32 = plan.parts.iter().map(|(_, c)| c.pools).sum();
         let (houses, villas) = (count(Kind::House), count(Kind::Villa));
         let line = format!(

@@ -227,7 +227,7 @@ fn block(site: &mut Site<'_>, name: &str, [u0, u1, v0, v1]: [f64; 4], storeys: f
     for (k, m) in masses.iter().enumerate() {
         let others: Vec<Vec<DVec2>> =
             over.iter().enumerate().filter(|(n, _)| *n != k).map(|(_, o)| polygon::mitred(o, -0.3)).collect();
-        let what = Furnishing { base_m: m.roof_m, handlers: 0.9, panels: 0.2, beds: 0.0, bulkhead: 0.3 };
+        let what = Furnishing { base_m: m.roof_m, machines: 0.9, panels: 0.2, beds: 0.0, bulkhead: 0.3 };
         items.extend(furnish(&polygon::mitred(&m.outline, 0.9), &others, what, &key.child("roof").index(k as u64)));
     }
     let middle = (f64::midpoint(u0, u1), f64::midpoint(v0, v1));

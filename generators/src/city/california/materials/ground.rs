@@ -2,7 +2,9 @@
 
 use super::super::freeway::slot as deck;
 use super::super::ground_slot as slot;
-use crate::city::toronto::materials::surfaces::{aged, asphalt, bgr, brightness, concrete, noise, repeating};
+use crate::city::toronto::materials::surfaces::{
+    aged, asphalt, bgr, brightness, concrete, noise, paint_left, repeating,
+};
 use satseed_scene::{Bands, Brdf, Class, Coordinate, Field, Layer, Material, Space};
 
 /// The materials of all ground slots, in their order.
@@ -22,7 +24,7 @@ pub(super) fn materials(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     put(slot::ARTERIAL, lanes("arterial", 0.7, true, seed("arterial", 0)));
     put(slot::COLLECTOR, lanes("collector", 0.8, false, seed("collector", 0)));
     put(slot::JUNCTION, asphalt("junction", 0.75, seed("arterial", 0)));
-    let wear = noise(seed("paint", 0), 3.0, 3).affine(0.8, 0.55).ramp(0.0, 1.0);
+    let wear = paint_left(seed("paint", 0), 3.0, 0.65);
     let ladder = Field::Product(vec![repeating(Coordinate::V, 1.25, 0.55, 0.2), wear.clone()]);
     let paint = bgr(0.4, 0.42, 0.43);
     put(
@@ -185,7 +187,7 @@ fn lanes(name: &str, age: f32, arterial: bool, seed: u32) -> Material {
     m = m.with(brightness(Field::Product(vec![oil, noise(seed ^ 0xb, 17.0, 2).affine(0.5, 0.7)]).times(-0.13)));
     let tracks = lane.iter().flat_map(|c| [c - 0.85, c + 0.85]).map(|c| stripe(c, 0.6)).collect();
     m = m.with(brightness(Field::Sum(tracks).times(0.06)));
-    let wear = noise(seed ^ 0xc, 6.0, 3).affine(0.7, 0.55).ramp(0.0, 1.0);
+    let wear = paint_left(seed ^ 0xc, 6.0, 0.75);
     let dashes = Field::Product(vec![
         repeating(Coordinate::U, 14.6, 3.7, 0.0),
         Field::Sum(dashed.iter().map(|c| stripe(*c, 0.13)).collect()),
@@ -232,7 +234,7 @@ fn slabs(name: &str, lanes: &[f32], dashed: &[f32], white: &[f32], yellow: &[f32
     let each = Field::Cells { space: Space::Uv, seed, size_m: [4.6, 3.6, 0.0], stagger: 0.0 };
     let oil = Field::Sum(lanes.iter().map(|c| stripe(*c, 1.0)).collect());
     let tracks = lanes.iter().flat_map(|c| [c - 0.9, c + 0.9]).map(|c| stripe(c, 0.6)).collect();
-    let wear = noise(seed ^ 0xc, 6.0, 3).affine(0.7, 0.6).ramp(0.0, 1.0);
+    let wear = paint_left(seed ^ 0xc, 6.0, 0.75);
     let dashes = Field::Product(vec![
         repeating(Coordinate::U, 14.6, 3.7, 0.0),
         Field::Sum(dashed.iter().map(|c| stripe(*c, 0.14)).collect()),

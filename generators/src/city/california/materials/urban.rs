@@ -4,8 +4,8 @@ use super::Materials;
 use crate::city::california::urban::{Use, ground as slots, part};
 use crate::city::toronto::ground_slot as street;
 use crate::city::toronto::materials::surfaces::{
-    aged, asphalt, banded, bgr, brightness, concrete, glass, lawn, membrane, metal, noise, repeating, road, wall,
-    with_windows,
+    aged, asphalt, banded, bgr, brightness, concrete, glass, lawn, membrane, metal, noise, paint_left, repeating, road,
+    wall, with_windows,
 };
 use crate::city::toronto::materials::{ROAD_AGES, STREET_KINDS};
 use crate::kit::buildings::slot;
@@ -91,7 +91,7 @@ fn ground(seed: &impl Fn(&str, u64) -> u32) -> Vec<Material> {
     put(street::PATH, aged(granite, s("path"), 0.12, 0.1));
     let dirt = Material::diffuse("city dirt", Class::Ground, bgr(0.135, 0.18, 0.225)).rough(0.5);
     put(street::SOIL, aged(dirt, s("soil"), 0.2, 0.15));
-    let wear = noise(s("paint"), 3.0, 3).affine(0.8, 0.6).ramp(0.0, 1.0);
+    let wear = paint_left(s("paint"), 3.0, 0.7);
     let ladder = Field::Product(vec![repeating(Coordinate::V, 1.25, 0.6, 0.2), wear.clone()]);
     let marked = |name: &str, amount: Field| {
         bleached(asphalt(name, 0.75, s("carriageway")), 0.25, s("carriageway"))

@@ -12,7 +12,7 @@ use crate::kit::buildings::{Furnishing, slot};
 use glam::DVec2;
 use satseed_scene::Rng;
 
-const ROOF: Furnishing = Furnishing { base_m: 0.0, handlers: 0.5, panels: 0.22, beds: 0.0, bulkhead: 0.1 };
+const ROOF: Furnishing = Furnishing { base_m: 0.0, machines: 0.5, panels: 0.22, beds: 0.0, bulkhead: 0.1 };
 
 /// Height of a storey, m.
 const STOREY_M: f64 = 2.95;
@@ -254,7 +254,7 @@ pub(super) fn walk_up(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     mass.floor_m = STOREY_M;
     mass.bay_m = 3.4;
     let mut draft = Draft::new(Use::Apartments, vec![mass]);
-    draft.furnish(0, Furnishing { handlers: 0.9, bulkhead: 0.8, ..ROOF }, &[], &place.key);
+    draft.furnish(0, Furnishing { machines: 0.9, bulkhead: 0.8, ..ROOF }, &[], &place.key);
     work.floor(place, *rng.pick(&[ground::YARDS[2], suburb::REAR[1], suburb::REAR[3]]));
     work.lay(
         Layer::Walk,

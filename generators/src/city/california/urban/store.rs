@@ -16,7 +16,7 @@ use satseed_scene::Rng;
 
 /// What stands on the roof of a low shop.
 pub(super) const SHOP_ROOF: Furnishing =
-    Furnishing { base_m: 0.0, handlers: 0.75, panels: 0.14, beds: 0.0, bulkhead: 0.15 };
+    Furnishing { base_m: 0.0, machines: 0.75, panels: 0.14, beds: 0.0, bulkhead: 0.15 };
 
 /// Skylights in rows on a large roof.
 pub(super) fn skylights(draft: &mut Draft, mass: usize, pitch: DVec2, half: DVec2) {
@@ -229,7 +229,7 @@ pub(super) fn drive_through(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     let mut draft = Draft::new(Use::Store, vec![plain(corners(b), GROUNDED, roof_m, rng.range(0.8, 1.4))]);
     let tower = [c.x - 2.2, c.x + 2.2, b[2] - 0.5, b[2] + 3.0];
     draft.masses.push(plain(corners(tower), GROUNDED, roof_m + rng.range(1.6, 2.8), 0.3));
-    draft.furnish(0, Furnishing { handlers: 2.2, ..SHOP_ROOF }, &[], &place.key);
+    draft.furnish(0, Furnishing { machines: 2.2, ..SHOP_ROOF }, &[], &place.key);
     // The window's roof reaches over the lane.
     let cover = block([b[1] - 0.2, b[1] + 3.6, c.y + 1.0, c.y + 5.5], [3.3, 3.7], [part::CANOPY; 2]);
     draft.extras.push(Extra::Fitting(cover));
@@ -363,7 +363,7 @@ pub(super) fn large(work: &mut Work<'_>, place: &Place<'_>) -> bool {
     for k in 0..draft.masses.len() {
         if k != 1 {
             let over: &[Vec<DVec2>] = if k == 0 { &lights } else { &[] };
-            draft.furnish(k, Furnishing { handlers: 0.4, panels: 0.0, ..SHOP_ROOF }, over, &place.key);
+            draft.furnish(k, Furnishing { machines: 0.4, panels: 0.0, ..SHOP_ROOF }, over, &place.key);
         }
     }
     for k in 0..3 {

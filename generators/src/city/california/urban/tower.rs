@@ -178,7 +178,7 @@ fn top(draft: &mut Draft, centre: DVec2, half: DVec2, roof_m: f64, rng: &mut Rng
     draft.masses[n].roof = Roof::Flat { parapet_m: rng.range(0.5, 1.3), slot: slot::ROOF };
 }
 
-const ROOFTOP: Furnishing = Furnishing { base_m: 0.0, handlers: 0.7, panels: 0.0, beds: 0.0, bulkhead: 0.6 };
+const ROOFTOP: Furnishing = Furnishing { base_m: 0.0, machines: 0.7, panels: 0.0, beds: 0.0, bulkhead: 0.6 };
 
 /// An office tower on its site. Tells whether it found room.
 pub(super) fn office(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -> bool {
@@ -270,7 +270,7 @@ fn wing(work: &mut Work<'_>, place: &Place<'_>, r: Rect, rng: &mut Rng) {
     mass.first_floor_m = first_floor_m;
     mass.floor_m = (mass.roof_m - first_floor_m) / libm::round((mass.roof_m - first_floor_m) / 4.0).max(1.0);
     let mut draft = Draft::new(Use::Office, vec![mass]);
-    let what = Furnishing { base_m: 0.0, handlers: 0.4, panels: 0.15, beds: 0.25, bulkhead: 0.3 };
+    let what = Furnishing { base_m: 0.0, machines: 0.4, panels: 0.15, beds: 0.25, bulkhead: 0.3 };
     draft.furnish(0, what, &[], &place.key.child("wing"));
     work.build(place, "wing", draft);
 }
@@ -337,7 +337,7 @@ pub(super) fn residence(work: &mut Work<'_>, place: &Place<'_>, height_m: f64) -
     {
         over.push(corners(pool_deck(&mut draft, deck, podium_m, &mut rng)));
     }
-    let calm = Furnishing { base_m: 0.0, handlers: 0.15, panels: 0.06, beds: 0.85, bulkhead: 0.3 };
+    let calm = Furnishing { base_m: 0.0, machines: 0.15, panels: 0.06, beds: 0.85, bulkhead: 0.3 };
     draft.furnish(0, calm, &over, &place.key);
     draft.furnish(1, ROOFTOP, &[], &place.key);
     work.floor(place, ground::SQUARES[rng.below(3) as usize]);

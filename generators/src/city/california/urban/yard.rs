@@ -46,7 +46,7 @@ pub(super) fn works(work: &mut Work<'_>, place: &Place<'_>) -> bool {
         .iter()
         .map(|i| polygon::oriented_rectangle(i.centre_m, i.axis, i.half_m + DVec2::splat(0.4)))
         .collect();
-    let what = Furnishing { base_m: 0.0, handlers: 0.22, panels: 0.12, beds: 0.0, bulkhead: 0.0 };
+    let what = Furnishing { base_m: 0.0, machines: 0.22, panels: 0.12, beds: 0.0, bulkhead: 0.0 };
     draft.furnish(0, what, &over, &place.key);
     let doors = libm::floor((hall[1] - hall[0]) / 7.0).max(1.0) as u32;
     for k in 0..doors {

@@ -180,7 +180,7 @@ pub(super) fn flats(frame: &Frame, shape: &Shape, storeys: u32, relief: &Relief<
         above.push(mass.outline.clone());
         masses.push(Mass { roof_m: roof_m + room, floor_m: room, ..mass });
     }
-    let what = Furnishing { base_m: roof_m, handlers: 0.15, panels: 0.04, beds: 0.0, bulkhead: 0.8 };
+    let what = Furnishing { base_m: roof_m, machines: 0.15, panels: 0.04, beds: 0.0, bulkhead: 0.8 };
     let items = furnish(&outline, &above, what, &path.child("roof"));
     let mut plan = grounded(frame, relief, masses);
     plan.items = items;

@@ -123,7 +123,7 @@ pub(in crate::city) fn mid_rise(site: &Site, relief: &Relief<'_>, path: &SeedPat
     let mut plan = grounded(&frame, relief, masses);
     for k in 0..plan.masses.len() {
         let what =
-            Furnishing { base_m: plan.masses[k].roof_m, handlers: 0.75, panels: 0.15, beds: 0.12, bulkhead: 0.9 };
+            Furnishing { base_m: plan.masses[k].roof_m, machines: 0.75, panels: 0.15, beds: 0.12, bulkhead: 0.9 };
         let over: &[Vec<DVec2>] = if k == 0 { &above } else { &[] };
         let items = furnish(&plan.masses[k].outline.clone(), over, what, &path.child("roof").index(k as u64));
         plan.items.extend(items);
@@ -207,7 +207,7 @@ pub(in crate::city) fn shop(site: &Site, relief: &Relief<'_>, path: &SeedPath) -
         balconies: Vec::new(),
     };
     let mut plan = grounded(&frame, relief, vec![mass]);
-    let what = Furnishing { base_m: roof_m, handlers: 0.9, panels: 0.1, beds: 0.03, bulkhead: 0.35 };
+    let what = Furnishing { base_m: roof_m, machines: 0.9, panels: 0.1, beds: 0.03, bulkhead: 0.35 };
     plan.items = furnish(&plan.masses[0].outline.clone(), &[], what, &path.child("roof"));
     Some(Building { kind: Kind::Shop, plan })
 }

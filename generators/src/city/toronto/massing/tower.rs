@@ -196,7 +196,7 @@ pub(in crate::city::toronto) fn condo(
     }
     masses.push(penthouse(centre, top_half, top_m, &mut rng));
     let mut plan = grounded(&frame, relief, masses);
-    let calm = Furnishing { base_m: podium_m, handlers: 0.12, panels: 0.05, beds: 0.75, bulkhead: 0.3 };
+    let calm = Furnishing { base_m: podium_m, machines: 0.12, panels: 0.05, beds: 0.75, bulkhead: 0.3 };
     furnish_tower(&mut plan, (centre, half + DVec2::splat(1.9)), calm, path);
     Some(Building { kind: Kind::Condo, plan })
 }
@@ -267,7 +267,7 @@ pub(in crate::city::toronto) fn office(
     let under = h - DVec2::splat(1.0);
     masses.push(penthouse(centre, under, low, &mut rng));
     let mut plan = grounded(&frame, relief, masses);
-    let what = Furnishing { base_m, handlers: 0.3, panels: 0.1, beds: 0.35, bulkhead: 0.3 };
+    let what = Furnishing { base_m, machines: 0.3, panels: 0.1, beds: 0.35, bulkhead: 0.3 };
     furnish_tower(&mut plan, (centre, half + DVec2::splat(0.6)), what, path);
     Some(Building { kind: Kind::Office, plan })
 }
@@ -301,7 +301,7 @@ fn furnish_tower(plan: &mut BuildingPlan, foot: (DVec2, DVec2), podium: Furnishi
         let last = k + 1 == plan.masses.len();
         let what = Furnishing {
             base_m: plan.masses[k].roof_m,
-            handlers: if last { 1.2 } else { 0.5 },
+            machines: if last { 1.2 } else { 0.5 },
             panels: 0.06,
             beds: if last { 0.0 } else { 0.12 },
             bulkhead: if last { 0.5 } else { 0.2 },

@@ -2,8 +2,8 @@
 
 use super::Materials;
 use super::surfaces::{
-    aged, asphalt, banded, bgr, brightness, concrete, glass, lawn, membrane, metal, noise, repeating, road, wall,
-    with_windows,
+    aged, asphalt, banded, bgr, brightness, concrete, glass, lawn, membrane, metal, noise, paint_left, repeating, road,
+    wall, with_windows,
 };
 use super::{ROAD_AGES, STREET_KINDS};
 use crate::city::toronto::ground_slot;
@@ -38,7 +38,7 @@ impl Materials {
         let lot = asphalt("parking lot", 0.8, seed("stall", 0))
             .with(Layer::Mix { color: bgr(0.36, 0.38, 0.39), amount: stalls.times(0.75) });
         put(self, ground_slot::PARKING, lot);
-        let wear = noise(seed("paint", 0), 3.0, 3).affine(0.8, 0.55).ramp(0.0, 1.0);
+        let wear = paint_left(seed("paint", 0), 3.0, 0.65);
         let ladder = Field::Product(vec![repeating(Coordinate::V, 1.25, 0.55, 0.2), wear.clone()]);
         let crossing = asphalt("crossing", 0.55, seed("carriageway", 0))
             .with(Layer::Mix { color: bgr(0.4, 0.42, 0.43), amount: ladder.times(0.8) });

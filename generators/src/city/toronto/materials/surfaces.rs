@@ -14,6 +14,13 @@ pub(in crate::city) fn noise(seed: u32, wavelength_m: f32, octaves: u8) -> Field
     Field::world_noise(seed, wavelength_m, octaves)
 }
 
+/// How much is left of paint: it wears off in flakes, and streets are painted years apart. `left` is the mean of the flakes.
+pub(in crate::city) fn paint_left(seed: u32, flakes_m: f32, left: f32) -> Field {
+    let flakes = noise(seed, flakes_m, 3).affine(0.8, left).ramp(0.0, 1.0);
+    let painted = noise(seed ^ 0x51a7, 110.0, 2).affine(1.5, 0.75).ramp(-0.15, 1.0);
+    Field::Product(vec![flakes, painted])
+}
+
 /// A layer that lightens and darkens.
 pub(in crate::city) fn brightness(amount: Field) -> Layer {
     Layer::Brightness { amount }
@@ -93,7 +100,7 @@ pub(in crate::city) fn road(kind: u16, age: u16, seed: u32) -> Material {
     let tracks: Vec<Field> =
         l.lanes.iter().flat_map(|c| [c - 0.85, c + 0.85]).map(|c| stripe(Coordinate::V, c, 0.6)).collect();
     m = m.with(brightness(Field::Sum(tracks).times(0.06)));
-    let wear = noise(seed ^ 0xc, 6.0, 3).affine(0.7, 0.55).ramp(0.0, 1.0);
+    let wear = paint_left(seed ^ 0xc, 6.0, 0.75);
     let dashes = Field::Product(vec![
         repeating(Coordinate::U, 12.0, 3.0, 0.0),
         Field::Sum(l.dashed.iter().map(|c| stripe(Coordinate::V, *c, 0.13)).collect()),
