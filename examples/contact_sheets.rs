@@ -2,13 +2,15 @@
 //!
 //! `cargo run --release --example contact_sheets [REGION ...]` writes docs/sheets/<region>-{nadir,detail,oblique}.jpg:
 //! five seeds and more, each variant among them; the whole frame from above, two crops of 512 x 512 pixels at the
-//! sensor's own 0.3 m, three oblique views.
+//! sensor's own 0.3 m, three oblique views. docs/sheets/regions.jpg has the first frame and crop of each region beside each other.
 
 #![allow(clippy::print_stderr)]
 
 use anyhow::Context as _;
 use glam::{DMat3, DVec2, DVec3};
-use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
+use image::{
+    ExtendedColorType, ImageEncoder as _, ImageFormat, Rgb, RgbImage, codecs::jpeg::JpegEncoder, imageops::replace,
+};
 use satseed::camera::Camera;
 use satseed::plan::Plan;
 use satseed::recipe::{Preset, Recipe};
@@ -23,6 +25,8 @@ const SCENES: usize = 5;
 /// Half a frame's side on the ground, m.
 const HALF_FRAME_M: f64 = 307.2;
 const CELL_PX: u32 = 512;
+/// Between cells.
+const GAP_PX: u32 = 6;
 
 fn main() -> anyhow::Result<()> {
     let asked: Vec<String> = std::env::args().skip(1).collect();
@@ -57,7 +61,23 @@ fn main() -> anyhow::Result<()> {
         write(&folder.join(format!("{name}-detail.jpg")), &transposed(&sheets[1]))?;
         write(&folder.join(format!("{name}-oblique.jpg")), &sheets[2])?;
     }
-    Ok(())
+    all_regions(&folder)
+}
+
+/// The first frame and the first crop of each region's sheets beside each other: one look, one sun, one sensor.
+fn all_regions(folder: &Path) -> anyhow::Result<()> {
+    let columns = Region::NAMES.len() as u32;
+    let mut both = RgbImage::from_pixel(columns * (CELL_PX + GAP_PX) - GAP_PX, 2 * CELL_PX + GAP_PX, Rgb([255; 3]));
+    for (k, name) in (0..).zip(Region::NAMES) {
+        for (row, sheet) in (0..).zip(["nadir", "detail"]) {
+            let path = folder.join(format!("{name}-{sheet}.jpg"));
+            let sheet = image::open(&path).with_context(|| format!("{} cannot be read", path.display()))?;
+            let first = sheet.crop_imm(0, 0, CELL_PX, CELL_PX).to_rgb8();
+            let step = i64::from(CELL_PX + GAP_PX);
+            replace(&mut both, &first, k * step, row * step);
+        }
+    }
+    Ok(both.save_with_format(folder.join("regions.jpg"), ImageFormat::Jpeg)?)
 }
 
 /// The cameras of the three sheets: whole frame, crops, oblique.
@@ -131,16 +151,15 @@ fn transposed(rows: &[Vec<Image>]) -> Vec<Vec<Image>> {
 
 /// Cells side by side, rows below each other, a thin gap between.
 fn write(path: &Path, rows: &[Vec<Image>]) -> anyhow::Result<()> {
-    const GAP: u32 = 6;
     let (cell_width, cell_height) = (rows[0][0].width, rows[0][0].height);
-    let width = (cell_width + GAP) * rows[0].len() as u32 - GAP;
-    let height = (cell_height + GAP) * rows.len() as u32 - GAP;
+    let width = (cell_width + GAP_PX) * rows[0].len() as u32 - GAP_PX;
+    let height = (cell_height + GAP_PX) * rows.len() as u32 - GAP_PX;
     let mut pixels = vec![255; (width * height * 3) as usize];
     for (j, row) in rows.iter().enumerate() {
         for (i, cell) in row.iter().enumerate() {
-            let left = (i as u32 * (cell_width + GAP) * 3) as usize;
+            let left = (i as u32 * (cell_width + GAP_PX) * 3) as usize;
             for (v, line) in cell.bytes().chunks_exact(cell_width as usize * 3).enumerate() {
-                let start = (j as u32 * (cell_height + GAP) + v as u32) as usize * width as usize * 3 + left;
+                let start = (j as u32 * (cell_height + GAP_PX) + v as u32) as usize * width as usize * 3 + left;
                 pixels[start..start + line.len()].copy_from_slice(line);
             }
         }
