@@ -7,6 +7,7 @@ mod assemble;
 mod freeway;
 mod hill;
 mod house;
+mod junction;
 mod land;
 mod layout;
 mod lot;
