@@ -25,7 +25,7 @@ pub const STAGES: [Stage; 4] = [
     // Which pairs, where their cameras stand, which split: `src/plan`, `src/camera`.
     Stage { name: "plan", version: 3 },
     // Light, sampling, sensor: `src/render`.
-    Stage { name: "render", version: 5 },
+    Stage { name: "render", version: 6 },
     // Label maps and surface models: `src/labels`.
     Stage { name: "labels", version: 1 },
     // Which files there are, what their text says, how arrays are encoded: `src/dataset`, `src/pipeline`.

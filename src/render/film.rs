@@ -21,8 +21,9 @@ pub(super) struct Radiance {
     pub data: Vec<Bands>,
 }
 
-/// Most samples of a cell that share what they can: their rays are in memory together.
-const MOST_TOGETHER: u32 = 16;
+/// Samples along a side of the squares that share what they can, by the samples along a cell's side: squares that stay few
+/// samples wide, so that more samples err less. Of very many, which are a reference, each has its own.
+const TOGETHER: [u32; 5] = [1, 1, 2, 3, 2];
 
 /// Side of the squares of cells that are traced together: the more rays to the sun there are, the closer some of them lie.
 const TRACED_SIDE: u32 = 2 * TILE_SIDE;
@@ -96,10 +97,11 @@ fn cells(
 ) -> Vec<Bands> {
     let side = f64::from(grid.side);
     let count = grid.side * grid.side;
-    // What samples of a cell have in common is worked out once; but not of very many, which are a reference.
-    let together = if count <= MOST_TOGETHER { count } else { 1 };
+    // What a square of samples has in common is worked out once.
+    let square = TOGETHER.get(grid.side as usize).copied().unwrap_or(1);
+    let together = square * square;
     // Footprint of those samples per metre of distance.
-    let spread = f64::from(together).sqrt() / (camera.fx_px * f64::from(grid.fine) * side);
+    let spread = f64::from(square) / (camera.fx_px * f64::from(grid.fine) * side);
     // Both views of a pair have cameras of their own place: their sampling patterns are unrelated.
     let key = (camera.position_m.x.to_bits() ^ camera.position_m.y.to_bits().rotate_left(17)) as u32
         ^ (camera.position_m.x.to_bits() >> 32) as u32;
@@ -109,10 +111,12 @@ fn cells(
         let tile: Vec<(i32, i32)> = tile_order(tile_columns, rows.len() as u32)
             .map(|(x, y)| (left + x as i32, rows.start + y as i32))
             .collect();
-        for first in (0..count).step_by(together as usize) {
+        let corners = || (0..grid.side).step_by(square as usize);
+        for (y0, x0) in corners().flat_map(|y0| corners().map(move |x0| (y0, x0))) {
+            let indices = (y0..y0 + square).flat_map(|y| (x0..x0 + square).map(move |x| y * grid.side + x));
             let samples: Vec<(i32, i32, u32)> = tile
                 .iter()
-                .flat_map(|(column, row)| (first..first + together).map(|index| (*column, *row, index)))
+                .flat_map(|(column, row)| indices.clone().map(|index| (*column, *row, index)))
                 .collect();
             let keyed: Vec<Sample> =
                 samples.iter().map(|(column, row, index)| Sample::new(*column, *row, *index, key)).collect();
