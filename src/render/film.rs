@@ -114,10 +114,8 @@ fn cells(
         let corners = || (0..grid.side).step_by(square as usize);
         for (y0, x0) in corners().flat_map(|y0| corners().map(move |x0| (y0, x0))) {
             let indices = (y0..y0 + square).flat_map(|y| (x0..x0 + square).map(move |x| y * grid.side + x));
-            let samples: Vec<(i32, i32, u32)> = tile
-                .iter()
-                .flat_map(|(column, row)| indices.clone().map(|index| (*column, *row, index)))
-                .collect();
+            let samples: Vec<(i32, i32, u32)> =
+                tile.iter().flat_map(|(column, row)| indices.clone().map(|index| (*column, *row, index))).collect();
             let keyed: Vec<Sample> =
                 samples.iter().map(|(column, row, index)| Sample::new(*column, *row, *index, key)).collect();
             let ray = |((column, row, index), sample): (&(i32, i32, u32), &Sample)| {
