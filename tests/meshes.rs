@@ -8,6 +8,7 @@ use satseed::plan::Plan;
 use satseed::recipe::{Preset, Recipe};
 use satseed_generators::Region;
 use satseed_generators::city::toronto;
+use satseed_generators::coast;
 use satseed_generators::kit::buildings::{self, BuildingPlan, Detail, Facade, Mass, Roof};
 use satseed_scene::{Brdf, Class, Ray, Scene, SeedPath};
 use satseed_tracer::Tracer;
@@ -185,6 +186,16 @@ fn reduced_regions_are_whole() {
     for name in Region::NAMES {
         let scene = reduced(name, 80.0).build(23);
         prove(name, &scene, 300);
+    }
+}
+
+/// Storms have worn a notch under them.
+#[test]
+fn cliffs_of_the_coast_are_whole() {
+    let Region::Coast(p) = reduced("coast", 80.0) else { unreachable!("asked for by name") };
+    for seed in [1, 2, 23] {
+        let scene = Region::Coast(coast::Params { variant: coast::Variant::Cliff, ..p.clone() }).build(seed);
+        prove(&format!("cliff {seed}"), &scene, 300);
     }
 }
 

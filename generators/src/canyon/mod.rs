@@ -4,6 +4,7 @@ mod dress;
 mod relief;
 mod scatter;
 mod strata;
+mod undercuts;
 mod valley;
 
 use crate::kit::terrain::tiling::{Tiling, normal_of_slope, place_terrain};
@@ -12,14 +13,14 @@ use crate::{ParameterError, check_range};
 use dress::slot;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use relief::{Cover, POST_M, Relief};
+use relief::{Cover, Extent, POST_M, Relief};
 use satseed_scene::{Class, Mesh, Object, Scene, SeedPath, quantise_m};
 use serde::{Deserialize, Serialize};
 use strata::Strata;
 use valley::{Channels, Fold, Trunk};
 
 /// Raised whenever the same parameters and seed give other bytes.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Parameters of a canyon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -64,7 +65,7 @@ impl Params {
     /// and 240 MB at 700 m.
     pub(crate) fn memory_bound_bytes(&self) -> u64 {
         let side_m = 2.0 * (self.radius_m + 2.0 * TILE_M);
-        (60e6 + side_m * side_m * (82.0 + 35.0 * self.roughness)) as u64
+        (60e6 + side_m * side_m * (130.0 + 35.0 * self.roughness)) as u64
     }
 }
 
@@ -84,6 +85,10 @@ fn tiling(radius_m: f64) -> Tiling {
     })
 }
 
+fn extent(radius_m: f64, tiling: &Tiling) -> Extent {
+    Extent { radius_m, window_half_m: tiling.window_half_m, scene_half_m: tiling.scene_half_m() }
+}
+
 /// What decides a canyon's shape before there is a post of it.
 struct Landscape {
     strata: Strata,
@@ -101,17 +106,18 @@ impl Landscape {
         Self { strata, fold, trunk, channels }
     }
 
-    fn relief(&self, halves_m: (f64, f64), roughness: f64, path: &SeedPath) -> Relief<'_> {
+    fn relief(&self, extent: Extent, roughness: f64, path: &SeedPath) -> Relief<'_> {
         let Self { strata, fold, trunk, channels } = self;
-        Relief::new(strata, fold, trunk, channels, halves_m, roughness, &path.child("relief"))
+        Relief::new(strata, fold, trunk, channels, extent, roughness, &path.child("relief"))
     }
 }
 
 pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let landscape = Landscape::new(params, &path);
     let tiling = tiling(params.radius_m);
-    let (window_half_m, scene_half_m) = (tiling.window_half_m, tiling.scene_half_m());
-    let relief = landscape.relief((window_half_m, scene_half_m), params.roughness, &path);
+    let extent = extent(params.radius_m, &tiling);
+    let Extent { window_half_m, scene_half_m, .. } = extent;
+    let relief = landscape.relief(extent, params.roughness, &path);
     let Landscape { strata, fold, trunk, .. } = &landscape;
     let banks = relief.banks(window_half_m + relief::MARGIN_M);
     let river = River::new(&banks);
@@ -126,22 +132,30 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         full_detail_radius_m: params.radius_m,
         ..Scene::default()
     };
-    let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(tile, &relief, &river, trunk.is_dry)).collect();
+    let meshes: Vec<Mesh> = tiles
+        .into_par_iter()
+        .enumerate()
+        .map(|(k, tile)| dressed(tile, relief.slabs.tile(&tiling.layout, k), &relief, &river, trunk.is_dry))
+        .collect();
     place_terrain(&mut scene, meshes);
     let reach_m = window_half_m.min(params.radius_m + 60.0);
     scatter::scatter(&mut scene, &relief, reach_m, strata.cliff_colors(), &path.child("scatter"));
     scene
 }
 
-/// A tile with normals of the source raster and the material slot of each triangle.
-fn dressed(tile: TileMesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> Mesh {
-    let normals =
-        tile.positions_m.iter().map(|p| normal_of_slope(relief.slope(DVec2::new(p[0].into(), p[1].into())))).collect();
-    let slots = tile
-        .triangles
+/// A tile and the slabs over it as one mesh, with normals of the source raster and the material slot of each triangle.
+fn dressed(tile: TileMesh, slabs: Mesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> Mesh {
+    let TileMesh { mut positions_m, mut triangles } = tile;
+    let mut normals: Vec<[f32; 3]> =
+        positions_m.iter().map(|p| normal_of_slope(relief.slope(DVec2::new(p[0].into(), p[1].into())))).collect();
+    let first = positions_m.len() as u32;
+    triangles.extend(slabs.triangles.iter().map(|t| t.map(|v| first + v)));
+    positions_m.extend(slabs.positions_m);
+    normals.extend(slabs.normals);
+    let slots = triangles
         .iter()
         .map(|t| {
-            let [a, b, c] = t.map(|v| DVec3::from_array(tile.positions_m[v as usize].map(f64::from)));
+            let [a, b, c] = t.map(|v| DVec3::from_array(positions_m[v as usize].map(f64::from)));
             let middle = ((a + b + c) / 3.0).truncate();
             let upward = (b - a).cross(c - a).normalize().z;
             let Cover { bank_m, scree_m, .. } = relief.cover(middle);
@@ -157,7 +171,7 @@ fn dressed(tile: TileMesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> 
             }
         })
         .collect();
-    Mesh { positions_m: tile.positions_m, triangles: tile.triangles, slots, normals, uvs_m: Vec::new() }
+    Mesh { positions_m, triangles, slots, normals, uvs_m: Vec::new() }
 }
 
 /// The river's area between its banks, for asking whether a place lies in it.

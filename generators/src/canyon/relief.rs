@@ -5,11 +5,13 @@
 //! bend, and a gully notches the cliffs that it crosses.
 
 use super::strata::{Habit, RIM_M, Strata};
+use super::undercuts::{Undercuts, Wall};
 use super::valley::{Channels, Fold, Trunk};
 use crate::kit::terrain::erosion::{diffuse, settle, stream_power};
 use crate::kit::terrain::flow::{fill, fill_and_drain};
 use crate::kit::terrain::front::{Apex, cones, rise};
 use crate::kit::terrain::noise::{blocks, fractal, ridged};
+use crate::kit::terrain::overhang::{Hollow, Slabs};
 use crate::kit::terrain::sampling::{bicubic, gradient, smoothstep};
 use crate::kit::terrain::tin::Ground;
 use glam::{DVec2, DVec3};
@@ -44,8 +46,12 @@ pub(super) struct Relief<'a> {
     roughness: f64,
     /// For the whole scene, which channel each post's wall climbs from.
     far_source: Raster<u32>,
-    /// The unsmoothed height field of the full-detail part, `POST_M` apart.
+    /// What is seen from above: the unsmoothed height field of the full-detail part, `POST_M` apart.
+    top: Raster<f32>,
+    /// The same below overhangs: the ground.
     pub(super) window: Raster<f32>,
+    /// The rock over hollows.
+    pub(super) slabs: Slabs,
     /// Rasters of the full-detail part, `WORN_M` apart.
     pub(super) worn: Worn,
 }
@@ -80,19 +86,29 @@ pub(super) struct Cover {
     pub(super) climb_m: f64,
 }
 
+/// How far a scene reaches, m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// Radius of full detail.
+    pub(super) radius_m: f64,
+    /// Half the side of the square of all full-detail tiles.
+    pub(super) window_half_m: f64,
+    /// Half the side of all tiles.
+    pub(super) scene_half_m: f64,
+}
+
 /// How far a bed's face may stand before or behind its mean line, m.
-const FACE_M: f64 = 5.0;
+pub(super) const FACE_M: f64 = 5.0;
 /// The largest distance from the river that is kept, m.
 const RIVER_REACH_M: f64 = 120.0;
 
 impl<'a> Relief<'a> {
-    /// `window_half_m` is half the side of the full-detail tiles, `scene_half_m` that of all tiles.
     pub(super) fn new(
         strata: &'a Strata,
         fold: &'a Fold,
         trunk: &'a Trunk,
         channels: &'a Channels,
-        (window_half_m, scene_half_m): (f64, f64),
+        Extent { radius_m, window_half_m, scene_half_m }: Extent,
         roughness: f64,
         path: &SeedPath,
     ) -> Self {
@@ -108,11 +124,13 @@ impl<'a> Relief<'a> {
         let far_source = rise(&far_shape, &channels.sources, 4000.0).1;
         let worn = Worn::empty(&square(window_half_m + MARGIN_M, WORN_M));
         let window = square(window_half_m + MARGIN_M, POST_M);
-        let mut relief = Self { strata, fold, trunk, channels, seeds, roughness, far_source, window, worn };
+        let (top, slabs) = (window.clone(), Slabs::none(&window));
+        let mut relief = Self { strata, fold, trunk, channels, seeds, roughness, far_source, top, window, slabs, worn };
         relief.wear();
         relief.follow_river();
         relief.drop_scree();
         relief.raise();
+        relief.undercut(&Undercuts::new(strata, roughness, radius_m, &path.child("undercuts")));
         relief
     }
 
@@ -271,7 +289,44 @@ impl<'a> Relief<'a> {
         z.data = rows.concat();
         let height = z.height;
         fill(&mut z, |p| on_border(p, width, height));
+        self.top = z;
+    }
+
+    /// The ground below what overhangs: the same with hollows cut into it.
+    fn undercut(&mut self, undercuts: &Undercuts) {
+        let mut z = self.top.clone();
+        let (width, height) = (z.width, z.height);
+        self.slabs = Slabs::cut(&mut z, |p| self.hollows(undercuts, p));
+        fill(&mut z, |p| on_border(p, width, height));
         self.window = z;
+    }
+
+    fn hollows(&self, undercuts: &Undercuts, p: DVec2) -> Vec<Hollow> {
+        let worn = &self.worn;
+        if worn.bank_m.bilinear(p) < 2.0 {
+            return Vec::new();
+        }
+        let (d, climb) = (bicubic(&worn.distance_m, p), worn.climb_m.bilinear(p));
+        // Hollows follow the bays of a wall, not each of its joints.
+        let keep = self.roughness * smoothstep(0.0, 6.0, climb);
+        let (fold, scree) = (self.fold.at(p), worn.scree_m.bilinear(p));
+        let wall = Wall { distance_m: d, climb_m: climb, height_m: self.top_m(p) - fold };
+        let mut hollows = undercuts.at(p, wall, |bed| self.bays(p, self.strata.cliff_foot(bed)) * keep);
+        for hollow in &mut hollows {
+            hollow.roof_m += fold;
+            let mut floor = hollow.floor_m + fold;
+            if scree > 0.02 {
+                floor = floor.max(self.strata.height_at(d) + fold + scree);
+            }
+            hollow.floor_m = self.with_floor(p, floor);
+        }
+        hollows
+    }
+
+    /// How far the bays of the cliff of a lowest bed stand before its mean line, m.
+    fn bays(&self, p: DVec2, foot: usize) -> f64 {
+        let salt = (foot as u32).wrapping_mul(0x9e37);
+        3.8 * fractal(p, self.seeds.joints ^ salt ^ 0x55, 26.0, 4, 0.5)
     }
 
     /// Bare rock at a distance in the profile: cliffs with joints, slopes with rills, domes on the plateau.
@@ -289,8 +344,7 @@ impl<'a> Relief<'a> {
                         let salt = (foot as u32).wrapping_mul(0x9e37);
                         let cell = 3.5 + f64::from(unit_from_hash(hash_cell(foot as i32, 3, 0, seeds.joints))) * 6.0;
                         let (block, _) = blocks(p, seeds.joints ^ salt, cell);
-                        let bays = fractal(p, seeds.joints ^ salt ^ 0x55, 26.0, 4, 0.5);
-                        cliff = (foot, 0.75 * block + 3.8 * bays);
+                        cliff = (foot, 0.75 * block + self.bays(p, foot));
                     }
                     let own = fractal(p, seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 11.0, 3, 0.5);
                     cliff.1 + 0.7 * own
@@ -385,15 +439,26 @@ impl<'a> Relief<'a> {
     /// Where the ground is hollow (positive) or a rib (negative), about -0.5..0.5: the mean height over a few metres
     /// against that close by.
     pub(super) fn hollow(&self, p: DVec2) -> f64 {
-        let g = (self.window.grid_from_world(p) + 0.5).floor();
+        let g = (self.top.grid_from_world(p) + 0.5).floor();
         let (i, j) = (g.x as i64, g.y as i64);
         let ring = |r: i64| {
             let d = (r * 7 + 5) / 10;
             let around = [(r, 0), (d, d), (0, r), (-d, d), (-r, 0), (-d, -d), (0, -r), (d, -d)];
-            around.iter().map(|(di, dj)| self.window.get_clamped(i + di, j + dj)).sum::<f32>() / 8.0
+            around.iter().map(|(di, dj)| self.top.get_clamped(i + di, j + dj)).sum::<f32>() / 8.0
         };
-        (0.25 * f64::from((ring(10) + ring(6)) * 0.5 - (ring(2) + self.window.get_clamped(i, j)) * 0.5))
-            .clamp(-0.6, 0.6)
+        (0.25 * f64::from((ring(10) + ring(6)) * 0.5 - (ring(2) + self.top.get_clamped(i, j)) * 0.5)).clamp(-0.6, 0.6)
+    }
+
+    /// Height of what is seen from above at a place of the full-detail part, m.
+    pub(super) fn top_m(&self, p: DVec2) -> f64 {
+        self.top.bilinear(p)
+    }
+
+    /// Whether nothing overhangs within a radius of a place.
+    pub(super) fn is_open(&self, p: DVec2, radius_m: f64) -> bool {
+        let over = |q: DVec2| self.top_m(q) - self.window.bilinear(q);
+        let around = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
+        around.iter().all(|side| over(p + *side * radius_m) < 0.1)
     }
 
     /// What covers a place.

@@ -51,7 +51,7 @@ fn block_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> 
     // Pareto: number above a size falls with the power -1.8, density with -2.8.
     let size = (0.5 * libm::pow(1.0 - rng.unit(), -1.0 / 1.8)).min(4.0);
     let slope = relief.slope(p);
-    if slope.length() > 1.3 {
+    if slope.length() > 1.3 || !relief.is_open(p, 0.6 * size) {
         return None;
     }
     let normal = DVec3::new(-slope.x, -slope.y, 1.0).normalize();
@@ -100,6 +100,9 @@ fn shrub_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> 
     let wet = wash > 0.5;
     let height = rng.lognormal(if wet { 1.15 } else { 0.75 }, 0.35).clamp(0.45, 2.2);
     let width = height * rng.range(0.9, 1.45);
+    if !relief.is_open(p, 0.5 * width) {
+        return None;
+    }
     let base = lowest(relief, p, 0.2 * width) - 0.03;
     let at_m = p.extend(base);
     let lean = DVec3::new(rng.signed(), rng.signed(), 0.0) * 0.12;

@@ -162,6 +162,11 @@ impl Strata {
         self.cliff_feet[bed]
     }
 
+    /// Where in the profile a bed begins, m.
+    pub(super) fn start_m(&self, bed: usize) -> f64 {
+        self.starts_m[bed]
+    }
+
     /// The bed at a stratigraphic height, by number.
     pub(super) fn bed_at(&self, height_m: f64) -> usize {
         self.beds.partition_point(|b| b.top_m < height_m).min(self.beds.len() - 1)

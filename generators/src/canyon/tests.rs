@@ -1,5 +1,5 @@
 use super::*;
-use crate::kit::checks::{assert_between, assert_closed, assert_rooted};
+use crate::kit::checks::{assert_between, assert_closed, assert_rooted, terrain};
 use crate::kit::terrain::flow::NEIGHBOURS;
 use std::sync::OnceLock;
 
@@ -22,7 +22,7 @@ fn with_relief<T>(seed: u64, radius_m: f64, f: impl FnOnce(&Relief<'_>) -> T) ->
     let params = params(radius_m);
     let landscape = Landscape::new(&params, &root(seed));
     let tiling = tiling(radius_m);
-    f(&landscape.relief((tiling.window_half_m, tiling.scene_half_m()), 1.0, &root(seed)))
+    f(&landscape.relief(extent(radius_m, &tiling), 1.0, &root(seed)))
 }
 
 #[test]
@@ -111,5 +111,23 @@ fn five_seeds_at_full_size() {
             "seed {seed}: relief {height:.1} m, steeper than 60 deg {steep:.3}; within 150 m {small_height:.1} m, {small_steep:.3}"
         );
         assert!((120.0..=220.0).contains(&height) && (0.05..=0.15).contains(&steep), "{report}");
+    }
+}
+
+/// Ground and slabs that face down lie over ground.
+#[test]
+fn walls_overhang() {
+    let plan_m2 = |t: [DVec3; 3]| (t[1] - t[0]).truncate().perp_dot((t[2] - t[0]).truncate()) / 2.0;
+    let down_m2: f64 = terrain(small()).map(|t| (-plan_m2(t)).max(0.0)).sum();
+    assert!(down_m2 > 150.0, "{down_m2} square metres face down");
+    for seed in [1, 2] {
+        let share = with_relief(seed, 280.0, |relief| {
+            let z = &relief.window;
+            let over = |k: &usize| relief.top_m(z.position(k % z.width, k / z.width)) - f64::from(z.data[*k]) > 1.0;
+            let within = |k: &usize| z.position(k % z.width, k / z.width).length() < 280.0;
+            let posts: Vec<usize> = (0..z.data.len()).filter(within).collect();
+            posts.iter().filter(|k| over(k)).count() as f64 / posts.len() as f64
+        });
+        assert!((0.005..=0.03).contains(&share), "seed {seed}: {share} of the plan overhangs");
     }
 }

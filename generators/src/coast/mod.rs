@@ -2,6 +2,7 @@
 
 mod chop;
 mod dress;
+mod notch;
 mod relief;
 mod scatter;
 mod shore;
@@ -20,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Raised whenever the same parameters and seed give other bytes.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// What the sea meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -129,7 +130,11 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
         full_detail_radius_m: params.radius_m,
         ..Scene::default()
     };
-    let meshes: Vec<Mesh> = tiles.into_par_iter().map(|tile| dressed(&tile, &relief)).collect();
+    let meshes: Vec<Mesh> = tiles
+        .into_par_iter()
+        .enumerate()
+        .map(|(k, tile)| dressed(&tile, relief.slabs.tile(&tiling.layout, k), &relief))
+        .collect();
     place_terrain(&mut scene, meshes);
     // What stands at the rim must find the ground under all of it in full detail.
     let reach_m = (window_half_m - 6.0).min(params.radius_m + 60.0);
@@ -138,8 +143,8 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
 }
 
 /// A tile with normals of the source surfaces and the material slot of each triangle. Where water meets land a vertex
-/// stands twice, with the normal of each.
-fn dressed(tile: &TileMesh, relief: &Relief) -> Mesh {
+/// stands twice, with the normal of each. Then the slabs over the tile's notches.
+fn dressed(tile: &TileMesh, slabs: Mesh, relief: &Relief) -> Mesh {
     let mut mesh = Mesh::default();
     let mut index: BTreeMap<(u32, bool), u32> = BTreeMap::new();
     for t in &tile.triangles {
@@ -159,14 +164,22 @@ fn dressed(tile: &TileMesh, relief: &Relief) -> Mesh {
         };
         let triangle = [0, 1, 2].map(corner);
         mesh.triangles.push(triangle);
-        mesh.slots.push(if water {
-            slot::WATER
-        } else {
-            let up = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize().z;
-            dress::slot_of(relief, middle, &surface, up)
-        });
+        mesh.slots.push(if water { slot::WATER } else { land_slot(relief, corners, &surface) });
     }
+    let first = mesh.positions_m.len() as u32;
+    for (t, corners) in slabs.triangles.iter().zip((0..).map(|t| slabs.corners(t))) {
+        mesh.triangles.push(t.map(|v| first + v));
+        let surface = relief.surface((corners[0] + corners[1] + corners[2]).truncate() / 3.0);
+        mesh.slots.push(land_slot(relief, corners, &surface));
+    }
+    mesh.positions_m.extend(slabs.positions_m);
+    mesh.normals.extend(slabs.normals);
     mesh
+}
+
+fn land_slot(relief: &Relief, corners: [DVec3; 3], surface: &relief::Surface) -> u16 {
+    let [a, b, c] = corners;
+    dress::slot_of(relief, (a + b + c).truncate() / 3.0, surface, (b - a).cross(c - a).normalize().z)
 }
 
 #[cfg(test)]

@@ -91,7 +91,7 @@ fn boulder(relief: &Relief, path: &SeedPath, cell: Cell) -> Option<Placed> {
     // Number above a size falls with the power -2.
     let size = (0.7 / f64::sqrt(1.0 - rng.unit())).min(5.0);
     let z = lowest(relief, p, 0.4 * size) + 0.10 * size - 0.03;
-    Some(lying(p.extend(z), size, &mut rng, cell.name("boulder")))
+    relief.is_open(p, 0.6 * size).then(|| lying(p.extend(z), size, &mut rng, cell.name("boulder")))
 }
 
 /// Groynes of quarried blocks, square to the shore, from the berm into the water.

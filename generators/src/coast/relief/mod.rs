@@ -5,10 +5,12 @@ mod foam;
 mod rock;
 
 use super::chop::Chop;
+use super::notch::notch;
 use super::shore::{Place, Shore};
 use super::swell::{Swell, Wave};
 use super::{Params, Variant, dress};
 use crate::kit::terrain::noise::fractal;
+use crate::kit::terrain::overhang::{Hollow, Slabs};
 use crate::kit::terrain::sampling::smoothstep;
 use crate::kit::terrain::tin::Ground;
 use glam::DVec2;
@@ -21,6 +23,10 @@ pub(super) const POST_M: f64 = 0.5;
 pub(super) const ROOT_M: f64 = 6.0;
 /// Higher ground than this is never under water, m.
 const DRY_M: f64 = 2.5;
+/// Posts beyond the full-detail tiles, m, and where among them notches fade: what a crop has in full detail does not depend on
+/// its size.
+const MARGIN_M: f64 = 16.0;
+const FADE_M: [f64; 2] = [2.0, 12.0];
 /// Depth of the sea off the shore, m.
 const DEEPEST_M: f64 = 14.0;
 /// How much breaking waves raise the water's mean level, m.
@@ -88,8 +94,12 @@ pub(super) struct Relief {
     land_height_m: f64,
     roughness: f64,
     swell_m: f64,
-    /// Heights within the full-detail tiles, [`POST_M`] apart.
+    /// Heights within the full-detail tiles and a margin, [`POST_M`] apart: below overhangs, the ground.
     window: Raster<f32>,
+    /// The rock over notches.
+    pub(super) slabs: Slabs,
+    /// Half the side of the square of full-detail tiles, m.
+    detail_half_m: f64,
 }
 
 /// What stands at a place.
@@ -158,7 +168,8 @@ impl Relief {
         let towards = turned(-shore.out, rng.signed() * 0.42);
         let wind = turned(towards, rng.signed() * 0.8);
         let chop = Chop::new(wind, peak_m, &path.child("chop"));
-        let empty = |n| Raster::filled(DVec2::splat(-window_half_m), POST_M, n, n, 0.0_f32);
+        let half_m = window_half_m + MARGIN_M;
+        let empty = |n| Raster::filled(DVec2::splat(-half_m), POST_M, n, n, 0.0_f32);
         let mut relief = Self {
             swell: Swell::new(
                 towards,
@@ -177,15 +188,46 @@ impl Relief {
             roughness: params.roughness,
             swell_m: params.swell_m,
             window: empty(1),
+            slabs: Slabs::none(&empty(1)),
+            detail_half_m: window_half_m,
         };
-        let n = libm::round(2.0 * window_half_m / POST_M) as usize + 1;
-        let shape = Raster::filled(DVec2::splat(-window_half_m), POST_M, n, n, ());
+        let n = libm::round(2.0 * half_m / POST_M) as usize + 1;
+        let shape = Raster::filled(DVec2::splat(-half_m), POST_M, n, n, ());
         let rows: Vec<Vec<f32>> = (0..n)
             .into_par_iter()
             .map(|j| (0..n).map(|i| relief.exact_m(shape.position(i, j)) as f32).collect())
             .collect();
-        relief.window = Raster { data: rows.concat(), ..empty(n) };
+        let mut window = Raster { data: rows.concat(), ..empty(n) };
+        relief.slabs = Slabs::cut(&mut window, |p| relief.notch(p).into_iter().collect());
+        relief.window = window;
         relief
+    }
+
+    /// The notch at a place.
+    fn notch(&self, p: DVec2) -> Option<Hollow> {
+        let place = self.shore.at(p);
+        // Rock alone, and no farther from the sea than its waves throw stones.
+        let strength = smoothstep(0.45, 0.15, place.sandy)
+            * smoothstep(FADE_M[1], FADE_M[0], p.abs().max_element() - self.detail_half_m)
+            * smoothstep(0.0, 0.3, self.roughness)
+            * smoothstep(6.0, 10.0, self.top_m(p));
+        if !self.cliffs || strength == 0.0 || place.inland_m.abs() > 40.0 {
+            return None;
+        }
+        let cliff = self.cliff(p, &place);
+        let mut notch = notch(p, self.seeds.face ^ 0x2f, cliff.beyond_m, cliff.platform_m, strength)?;
+        if self.water(p, notch.floor_m).0 > notch.floor_m {
+            // Water has one height a place.
+            notch.roof_m = notch.floor_m - 0.5;
+        }
+        Some(notch)
+    }
+
+    /// Whether no notch is within a radius of a place.
+    pub(super) fn is_open(&self, p: DVec2, radius_m: f64) -> bool {
+        let closed = |q: DVec2| self.notch(q).is_none_or(|n| n.roof_m < n.floor_m);
+        let around = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
+        around.iter().all(|side| closed(p + *side * radius_m))
     }
 
     /// Land and water at a place.
@@ -260,11 +302,10 @@ impl Relief {
 
     /// Whether a place lies within the full-detail tiles.
     pub(super) fn is_detailed(&self, p: DVec2) -> bool {
-        let half_m = -self.window.origin_m.x;
-        p.abs().max_element() <= half_m
+        p.abs().max_element() <= self.detail_half_m
     }
 
-    /// The posts of the full-detail tiles.
+    /// The posts of the full-detail tiles and of a margin around them.
     #[cfg(test)]
     pub(super) fn window(&self) -> &Raster<f32> {
         &self.window

@@ -10,27 +10,42 @@ use glam::DVec2;
 /// Side of the cells in which at most one stack stands, m.
 const STACK_CELL_M: f64 = 46.0;
 
+/// A cliff as a place before, on or behind it sees it.
+pub(super) struct Cliff {
+    /// What joints set it back by at its place: -1 to 1.
+    block: f64,
+    /// Height of the platform before it, m.
+    pub(super) platform_m: f64,
+    /// Distance beyond its foot, m; negative before it.
+    pub(super) beyond_m: f64,
+}
+
 impl Relief {
     /// Height of the cliff's top, m.
     pub(in super::super) fn top_m(&self, p: DVec2) -> f64 {
         self.land_height_m * (0.80 + 0.62 * fractal(p, self.seeds.hills, 520.0, 2, 0.5)).clamp(0.35, 1.35)
     }
 
-    pub(super) fn rocky_m(&self, p: DVec2, place: &Place) -> f64 {
+    pub(super) fn cliff(&self, p: DVec2, place: &Place) -> Cliff {
         let f = &self.form;
-        let rough = self.roughness;
         let sandy = smoothstep(0.15, 0.85, place.sandy);
         // Joints set the face back in blocks; gullies in tens of metres.
         let (block, _) = blocks(p, self.seeds.joints, 5.5);
-        let jag = rough * (6.0 * fractal(p, self.seeds.face, 46.0, 5, 0.55) + 0.9 * block);
+        let jag = self.roughness * (6.0 * fractal(p, self.seeds.face, 46.0, 5, 0.55) + 0.9 * block);
         let d = place.inland_m + jag * (1.0 - 0.6 * sandy);
         let low = if sandy > 0.0 { self.beach_m(p, place) } else { 0.0 };
         let rock = self.bottom_m(p, place, d);
         let foot_m = 4.0
             + 6.0 * (fractal(p, self.seeds.platform ^ 1, 70.0, 2, 0.5) + 0.3).max(0.0)
             + sandy * (0.75 * f.berm_m / f.foreshore + 9.0 * fractal(p, self.seeds.platform ^ 2, 45.0, 4, 0.6));
-        let base = rock + (low - rock) * sandy;
-        let beyond = d - foot_m;
+        Cliff { block, platform_m: rock + (low - rock) * sandy, beyond_m: d - foot_m }
+    }
+
+    pub(super) fn rocky_m(&self, p: DVec2, place: &Place) -> f64 {
+        let f = &self.form;
+        let rough = self.roughness;
+        let sandy = smoothstep(0.15, 0.85, place.sandy);
+        let Cliff { block, platform_m: base, beyond_m: beyond } = self.cliff(p, place);
         if beyond < -1.0 {
             return base;
         }
