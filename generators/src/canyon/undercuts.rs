@@ -3,7 +3,7 @@
 use super::relief::FACE_M;
 use super::strata::{Habit, Strata};
 use crate::kit::terrain::noise::fractal;
-use crate::kit::terrain::overhang::Hollow;
+use crate::kit::terrain::overhang::{Hollow, UNTOLD_M};
 use crate::kit::terrain::sampling::smoothstep;
 use glam::DVec2;
 use satseed_scene::{SeedPath, hash_cell, unit_from_hash};
@@ -109,7 +109,7 @@ impl Undercuts {
             }
             let behind = distance_m + line(foot.bed) - foot.start_m;
             let cover_m = depth + BEARING_M - behind;
-            if behind < -BEFORE_M || cover_m < -1.0 {
+            if behind < -BEFORE_M || cover_m < -UNTOLD_M {
                 continue;
             }
             // From 1 at the lip to 0 at the back wall, and on below.

@@ -1,7 +1,7 @@
 //! The notch that storms wear into the foot of cliffs.
 
 use crate::kit::terrain::noise::fractal;
-use crate::kit::terrain::overhang::Hollow;
+use crate::kit::terrain::overhang::{Hollow, UNTOLD_M};
 use crate::kit::terrain::sampling::smoothstep;
 use glam::DVec2;
 
@@ -19,7 +19,7 @@ pub(super) fn notch(p: DVec2, seed: u32, behind_m: f64, platform_m: f64, strengt
     let n = |salt: u32, wavelength_m: f64| fractal(p, seed ^ salt, wavelength_m, 2, 0.4) / 0.29;
     let depth = (2.6 + 2.4 * n(0, 33.0)).clamp(-1.0, 5.5) * strength - 1.5 * (1.0 - strength);
     let cover_m = depth + BEARING_M - behind_m;
-    if cover_m < -1.0 {
+    if cover_m < -UNTOLD_M {
         return None;
     }
     // From 1 at the lip to 0 at the back wall, and on below.

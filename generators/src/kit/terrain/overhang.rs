@@ -20,8 +20,8 @@ pub struct Hollow {
     pub floor_m: f64,
     /// Height of its roof, m; below the floor where the hollow is closed.
     pub roof_m: f64,
-    /// How far the slab over it reaches around this place, m; negative beyond it. The hollow must be closed where this is less
-    /// than about two posts.
+    /// How far the slab over it reaches around this place, m; negative beyond it, where no hollow need be told below
+    /// -[`UNTOLD_M`]. The hollow must be closed where this is less than about two posts.
     pub cover_m: f64,
 }
 
@@ -43,6 +43,8 @@ pub struct Slabs {
     posts: Vec<Post>,
 }
 
+/// A hollow farther than this beyond its slab may be left untold, m.
+pub const UNTOLD_M: f64 = 1.0;
 /// A slab ends where it is thinner, m.
 const THINNEST_M: f64 = 0.05;
 /// How far a slab's top lies below the ground that it stands for, m, and below that of the next slab: they run into each
@@ -226,12 +228,11 @@ impl Slab<'_> {
         }
         let next = number + [1, self.side, self.side + 1][usize::from(edge) - 1];
         let there = self.post(next);
-        // Beyond the posts that are known the slab ends half-way, level.
+        // Where a post is not told the slab's end lies level.
         let (from, to) = (here.or(there), there.or(here));
         let (from, to) = (from.expect("one end is inside"), to.expect("one end is inside"));
-        let inside = [from, to].map(|p| f64::from(p.inside_m));
-        let part = if here.is_some() && there.is_some() { inside[0] / (inside[0] - inside[1]) } else { 0.5 };
-        let part = part.clamp(0.1, 0.9);
+        let inside = [here, there].map(|p| p.map_or(-UNTOLD_M, |p| f64::from(p.inside_m)));
+        let part = (inside[0] / (inside[0] - inside[1])).clamp(0.1, 0.9);
         let z = f64::from(from.roof_m) + (f64::from(to.roof_m) - f64::from(from.roof_m)) * part;
         [at(number).lerp(at(next), part).extend(z); 2]
     }
@@ -256,7 +257,8 @@ mod tests {
             Layout { origin_m: DVec2::new(-20.0, -10.0), tile_m: 20.0, columns: 2, rows: 1, grains: vec![grain; 2] };
         let hollows = move |p: DVec2| {
             [(0, 1.0, 5.0), (1, 6.5, 3.0)].map(|(level, floor_m, depth): (u32, f64, f64)| {
-                let depth = depth - (p.x / 6.0) * (p.x / 6.0);
+                // Closed before the tiles' borders.
+                let depth = depth - (p.x / 4.0) * (p.x / 4.0);
                 let t = ((depth - behind(p)) / 2.0).clamp(-1.0, 1.0);
                 Hollow { level, floor_m, roof_m: floor_m + 2.0 * t, cover_m: depth + 1.5 - behind(p) }
             })
