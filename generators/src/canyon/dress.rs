@@ -226,7 +226,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         .with(Layer::Mix { color: pale_soil, amount: product(vec![level(), raster(channel::POCKETS)]).times(0.7) })
         .with(Layer::Mix { color: crust, amount: product(vec![level(), raster(channel::CRUST)]).times(0.5) })
         // Rills are darker where they are damp, and sandy where they are large.
-        .with(Layer::Brightness { amount: raster(channel::FLOW).ramp(0.25, 0.55).times(-0.10 * k) })
+        .with(Layer::Brightness { amount: raster(channel::FLOW).ramp(0.25, 0.55).times(-0.16 * k) })
         .with(Layer::Mix { color: sand, amount: raster(channel::FLOW).ramp(0.74, 0.92).times(0.6) })
         .with(Layer::Mix {
             color: sand,
@@ -236,9 +236,9 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         .with(Layer::Mix { color: cobbles, amount: raster(channel::BARS).ramp(0.5, 1.0).times(0.75) })
         // Three scales: patches, stains, grain.
         .with(Layer::Brightness { amount: raster(channel::TONE).affine(0.24 * k, -0.12 * k) })
-        .with(Layer::Brightness { amount: raster(channel::STAIN).affine(0.26 * k, -0.13 * k) })
+        .with(Layer::Brightness { amount: raster(channel::STAIN).affine(0.44 * k, -0.22 * k) })
         .with(Layer::Brightness {
-            amount: Field::Noise(Fractal::new(Space::World, seed("grain"), 1.25, 2).gain(1.2)).times(0.19 * k),
+            amount: Field::Noise(Fractal::new(Space::World, seed("grain"), 1.25, 2).gain(1.2)).times(0.22 * k),
         })
         // Cracks: dark specks on steep rock.
         .with(Layer::Brightness {

@@ -72,7 +72,7 @@ fn block_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> 
     })
 }
 
-/// Shrubs stand along the wash, on shaded slopes, and in the plateau's soil.
+/// Shrubs stand along the wash, on shaded slopes, and in the plateau's soil, where low scrub is between them.
 fn shrub_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> {
     let seed = path.hash_u32();
     let first = cell.draw(seed);
@@ -92,14 +92,21 @@ fn shrub_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> 
     let grove = fractal(p, seed, 38.0, 4, 0.55);
     let open = 0.075 + 0.07 * northward + 0.34 * wash;
     let share = level * open * smoothstep(-0.35, 0.45, grove) * 2.0;
-    if first > share {
+    // Low scrub is spread over the soil between.
+    let low = level * 0.17 * smoothstep(-0.30, 0.20, fractal(p, seed ^ 1, 110.0, 3, 0.55));
+    if first > share + low {
         return None;
     }
     let mut rng = cell.key(path).rng();
     let p = cell.point(rng.unit(), rng.unit());
     let wet = wash > 0.5;
-    let height = rng.lognormal(if wet { 1.15 } else { 0.75 }, 0.35).clamp(0.45, 2.2);
-    let width = height * rng.range(0.9, 1.45);
+    let (height, width) = if first > share {
+        let height = rng.lognormal(0.42, 0.25).clamp(0.28, 0.75);
+        (height, height * rng.range(1.3, 2.1))
+    } else {
+        let height = rng.lognormal(if wet { 1.15 } else { 0.75 }, 0.35).clamp(0.45, 2.2);
+        (height, height * rng.range(0.9, 1.45))
+    };
     if !relief.is_open(p, 0.5 * width) {
         return None;
     }

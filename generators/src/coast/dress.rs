@@ -44,7 +44,7 @@ mod channel {
     pub(super) const TURF: u8 = 7;
     /// Heath and scrub among the turf.
     pub(super) const HEATH: u8 = 8;
-    /// Trodden paths and the track's ruts.
+    /// Trodden paths and the track.
     pub(super) const WORN: u8 = 9;
     /// What the tide left.
     pub(super) const WRACK: u8 = 10;
@@ -124,8 +124,9 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
     let wet_to = runup + 0.30 + 0.25 * ragged(10, 30.0);
     let wet =
         smoothstep(wet_to + 0.10, wet_to - 0.04, s.land_m).max(0.75 * smoothstep(wet_to + 0.75, wet_to, s.land_m));
-    // The edge of the last film of water: a thin line of foam.
-    let edge = smoothstep(0.055, 0.012, (s.land_m - runup).abs()) * sandy * f64::from(depth == 0.0);
+    // The edge of the last film of water: a thin line of foam, which lasts in places.
+    let lasting = smoothstep(-0.30, 0.25, ragged(10, 24.0));
+    let edge = smoothstep(0.10, 0.015, (s.land_m - runup).abs()) * sandy * lasting * f64::from(depth == 0.0);
     let [marram, turf] = plants(relief, p, &s, seeds);
     let rocky_bottom = smoothstep(
         0.1,
@@ -137,7 +138,8 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
     let [line, old_line] = [wet_to + 0.30, wet_to + 0.95].map(|z| {
         smoothstep(0.10, 0.02, (s.land_m - z - 0.12 * ragged(9, 14.0)).abs()) * smoothstep(-0.15, 0.25, ragged(9, 5.0))
     });
-    let (ruts, _) = relief.track(p, place);
+    // Ruts are narrower than the raster's posts stand apart: what shows is the worn band of both.
+    let worn = relief.track(p, place) * (0.72 + 0.35 * ragged(4, 6.0));
     let (path, _) = relief.path(p, place);
     let values = [
         coded_depth(still),
@@ -149,7 +151,7 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
         marram,
         turf,
         smoothstep(0.0, 0.3, ragged(4, 42.0) + 0.12 * ragged(4, 7.0)),
-        path.max(0.9 * ruts),
+        path.max(worn),
         line.max(0.7 * old_line) * sandy,
         0.5 + 0.5 * fractal(p, seeds[5], 24.0, 3, 0.5),
         0.5 + 0.5 * fractal(p, seeds[6], 70.0, 3, 0.5),

@@ -167,7 +167,7 @@ fn tuft(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
     }
     let s = relief.surface(corner);
     let share = relief.marram(corner, &s) * smoothstep(170.0, 90.0, s.place.inland_m - relief.dune_toe_m());
-    let clear = 1.0 - relief.path(corner, &s.place).0.max(relief.track(corner, &s.place).1);
+    let clear = 1.0 - relief.path(corner, &s.place).0.max(relief.track(corner, &s.place));
     if draw > 0.6 * plants * share * clear {
         return None;
     }
@@ -193,14 +193,14 @@ fn bush(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
     }
     let groups = smoothstep(0.12, 0.42, fractal(corner, seed ^ 3, 62.0, 4, 0.6));
     let share = 0.55 * plants * (0.02 + 0.98 * groups) * smoothstep(0.0, 45.0, d);
-    if draw > share * (1.0 - relief.track(corner, &s.place).1) {
+    if draw > share * (1.0 - relief.track(corner, &s.place)) {
         return None;
     }
     let mut rng = cell.key(path).rng();
     let p = cell.point(rng.unit(), rng.unit());
     let height = rng.lognormal(1.15, 0.4).clamp(0.5, 3.2);
     let width = height * rng.range(1.2, 2.2);
-    if relief.track(p, &s.place).1 > 0.0 {
+    if relief.track(p, &s.place) > 0.0 {
         return None;
     }
     Some(planted(&|q: DVec2| relief.surface(q).land_m, p, [width, height], VARIANTS, &mut rng, cell.name("bush")))

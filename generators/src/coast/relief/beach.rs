@@ -64,7 +64,7 @@ impl Relief {
             + 0.16 * self.land_height_m * fractal(p, self.seeds.hills, 340.0, 4, 0.42) * smoothstep(90.0, 330.0, d)
             + 0.12 * rough * fractal(p, self.seeds.fine ^ 5, 11.0, 3, 0.5) * smoothstep(60.0, 120.0, d);
         let on_land = dune.max(-0.6) * field.max(0.04) + plain.max(-0.8) * smoothstep(0.0, 70.0, d);
-        beach + on_land - 0.10 * self.track(p, place).1
+        beach + on_land - 0.10 * self.track(p, place)
     }
 
     fn toe_m(&self, p: DVec2) -> f64 {

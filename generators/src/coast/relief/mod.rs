@@ -265,13 +265,12 @@ impl Relief {
         if self.cliffs { self.rocky_m(p, place) } else { self.sandy_m(p, place) }
     }
 
-    /// The track behind the shore: its two ruts or its whole width, 0 to 1.
-    pub(super) fn track(&self, p: DVec2, place: &Place) -> (f64, f64) {
+    /// The track behind the shore, 0 to 1.
+    pub(super) fn track(&self, p: DVec2, place: &Place) -> f64 {
         let wander = 16.0 * fractal(p, self.seeds.track, 260.0, 2, 0.5);
         let at_m = if self.cliffs { 46.0 + 1.1 * self.land_height_m } else { self.form.track_m };
         let off = (place.inland_m - at_m - wander).abs();
-        let ruts = smoothstep(0.55, 0.25, (off - 0.85).abs());
-        (ruts, smoothstep(2.3, 1.4, off))
+        smoothstep(2.3, 1.4, off)
     }
 
     /// Eastward and northward slope of the land or of the water at a place.

@@ -69,7 +69,7 @@ impl Relief {
             * (0.12 * self.land_height_m * fractal(p, self.seeds.rolling, 190.0, 4, 0.45)
                 + 0.16 * rough * fractal(p, self.seeds.fine ^ 5, 9.0, 4, 0.5))
             + 0.035 * inland.min(420.0);
-        base.max(0.3 * sandy) + face + land - 0.10 * self.track(p, place).1
+        base.max(0.3 * sandy) + face + land - 0.10 * self.track(p, place)
     }
 
     /// Rock below and around the waterline: bottom, reefs, platform and stacks.
