@@ -121,7 +121,8 @@ impl Trees {
             return None;
         }
         let m = &self.world_from_object[place as usize];
-        let [x, y, z, w] = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis, m.translation].map(|c| c.as_vec3());
+        let [x, y, z, w] =
+            [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis, m.translation].map(glam::DVec3::as_vec3);
         Some([[x.x, y.x, z.x, w.x], [x.y, y.y, z.y, w.y], [x.z, y.z, z.z, w.z]])
     }
 
