@@ -11,6 +11,7 @@
 //!
 //! Surfaces are two-sided, and a ray cannot slip between triangles that share an edge (Woop, Benthin, Wald 2013).
 
+mod block;
 mod bundle;
 mod bvh8;
 mod query;

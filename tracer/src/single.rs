@@ -1,21 +1,17 @@
 //! One ray at a time: for rays that go their own ways.
 
+use crate::block::{Leaf, slot};
 use crate::bvh8::{Bvh8, Child, Node8};
 use crate::query::{Candidate, Query};
 use crate::simd::{Lanes, Wide, dispatch};
 use crate::slab::{SlabRay, inverse};
-use crate::tree::{Leaf, Trees, slot};
+use crate::tree::Trees;
 use crate::triangle::{ShearedRay, main_axis};
 use glam::DVec3;
 
 dispatch! {
     /// Takes one ray through the scene. The stack is empty before and after.
     fn trace<Q: Query>(trees: &Trees, query: &mut Q, stack: &mut Vec<Entry>) = whole
-}
-
-dispatch! {
-    /// Takes one ray through one placement.
-    fn through<Q: Query>(trees: &Trees, place: u32, sheared: &ShearedRay, query: &mut Q, stack: &mut Vec<Entry>) = through_instance
 }
 
 #[inline(always)]

@@ -1,11 +1,12 @@
-//! What a tracer holds: a tree for each mesh, its triangles in blocks of eight, and the tree over the instances.
+//! What a tracer holds: a tree for each mesh, with its triangles in blocks, and the tree over the instances.
 
+use crate::block::{Block, Corners, Leaf, Rows};
 use crate::bvh8::Bvh8;
 use crate::query::Candidate;
-use crate::simd::Wide;
+use crate::slab::Bounds;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
-use satseed_scene::{Instance, Mesh, QUANTUM_M, Scene};
+use satseed_scene::{Instance, Mesh, Scene};
 
 /// Most triangles behind a lane of a mesh's tree: one block.
 const MAX_LEAF: u32 = 8;
@@ -20,110 +21,10 @@ pub const BYTES_PER_WIDE_TRIANGLE: usize = 140;
 /// Most that trees hold for an instance, bytes, on average over a scene.
 pub const BYTES_PER_INSTANCE: usize = 320;
 
-/// Eight triangles of a leaf, a lane each, in the mesh's frame. Vertices stand on a lattice ([`QUANTUM_M`]), and those of a
-/// leaf close together: so 16 bits hold a coordinate exactly. Three cache lines.
-#[derive(Clone, Debug)]
-#[repr(C, align(64))]
-pub(crate) struct Block {
-    /// Corner, axis, lane; quanta from `base_m`. Lanes that hold no triangle repeat the last one.
-    quanta: [[[u16; 8]; 3]; 3],
-    /// Lowest coordinates, m.
-    base_m: [f32; 3],
-    /// Where the corners stand in [`MeshTree::wide`] if they do not fit into 16 bits, else [`FITS`].
-    wide: u32,
-    /// Index of each lane's triangle in its mesh.
-    pub(crate) index: [u32; 8],
-}
-
-/// See [`Block::wide`].
-const FITS: u32 = u32::MAX;
-
-/// Corner, axis, lane; m.
-type Corners = [[[f32; 8]; 3]; 3];
-
-/// A block with the corners that may stand elsewhere.
-#[derive(Clone, Copy)]
-pub(crate) struct Leaf<'t> {
-    pub(crate) block: &'t Block,
-    wide: &'t [Corners],
-}
-
-impl Leaf<'_> {
-    /// One coordinate (m) of one corner of all triangles.
-    #[inline(always)]
-    pub(crate) fn coordinates<X: Wide<8>>(&self, corner: usize, axis: usize) -> X {
-        let block = self.block;
-        if block.wide == FITS {
-            // Every step is exact: the sum is the vertex's own coordinate.
-            let quanta = X::load_u16(&block.quanta[corner][axis]);
-            quanta.mul(X::splat(QUANTUM_M as f32)).add(X::splat(block.base_m[axis]))
-        } else {
-            X::load(&self.wide[block.wide as usize][corner][axis])
-        }
-    }
-
-    /// The corners of one lane's triangle, m.
-    #[inline(always)]
-    pub(crate) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
-        let block = self.block;
-        let mut corners = [[0.0; 3]; 3];
-        if block.wide == FITS {
-            for (corner, quanta) in corners.iter_mut().zip(&block.quanta) {
-                for axis in 0..3 {
-                    corner[axis] = f32::from(quanta[axis][lane]) * QUANTUM_M as f32 + block.base_m[axis];
-                }
-            }
-        } else {
-            for (corner, wide) in corners.iter_mut().zip(&self.wide[block.wide as usize]) {
-                for axis in 0..3 {
-                    corner[axis] = wide[axis][lane];
-                }
-            }
-        }
-        corners
-    }
-}
-
-impl Block {
-    /// A block of up to eight triangles.
-    fn new(triangles: &[[[f32; 3]; 3]], indices: &[u32], wide: &mut Vec<Corners>) -> Self {
-        let of = |lane: usize| lane.min(triangles.len() - 1);
-        let corners: Corners = core::array::from_fn(|corner| {
-            core::array::from_fn(|axis| core::array::from_fn(|lane| triangles[of(lane)][corner][axis]))
-        });
-        let mut base_m = [f32::INFINITY; 3];
-        for corner in triangles.as_flattened() {
-            base_m = core::array::from_fn(|axis| base_m[axis].min(corner[axis]));
-        }
-        let mut fits = true;
-        let quanta = core::array::from_fn(|corner| {
-            core::array::from_fn(|axis: usize| {
-                corners[corner][axis].map(|x: f32| {
-                    let quanta = (f64::from(x) - f64::from(base_m[axis])) / QUANTUM_M;
-                    fits &= quanta == f64::from(quanta as u16)
-                        && (f32::from(quanta as u16) * QUANTUM_M as f32 + base_m[axis]).to_bits() == x.to_bits();
-                    quanta as u16
-                })
-            })
-        });
-        let place = if fits { FITS } else { wide.len() as u32 };
-        if !fits {
-            wide.push(corners);
-        }
-        Self { quanta, base_m, wide: place, index: core::array::from_fn(|lane| indices[of(lane)]) }
-    }
-}
-
-/// Number of a lane of a block.
-#[inline]
-pub(crate) fn slot(block: u32, lane: usize) -> u32 {
-    block * 8 + lane as u32
-}
-
 /// A mesh's tree. A leaf's `first` is its block.
 pub(crate) struct MeshTree {
     pub(crate) tree: Bvh8,
-    pub(crate) blocks: Vec<Block>,
+    blocks: Vec<Block>,
     /// Corners of blocks that are wider than 16 bits reach.
     wide: Vec<Corners>,
 }
@@ -184,8 +85,10 @@ pub(crate) struct Trees {
     /// Over the instances, one behind a lane; a leaf's `first` is its placement.
     pub(crate) instances: Bvh8,
     pub(crate) placements: Vec<Placement>,
-    /// For each placement; only decisions need it.
+    /// For each placement; only decisions and bundles need it.
     world_from_object: Vec<DAffine3>,
+    /// What f32 may displace any corner by that it brings to the world, m.
+    pub(crate) displacement_m: f64,
 }
 
 impl Trees {
@@ -206,7 +109,21 @@ impl Trees {
                 identity: *world_from_object == DAffine3::IDENTITY,
             })
             .collect();
-        Self { meshes, instances, placements, world_from_object }
+        let displaced = |i: &Instance| displacement_m(&i.world_from_object, meshes[i.mesh as usize].tree.bounds);
+        let displacement_m = scene.instances.iter().map(displaced).fold(0.0, f64::max);
+        Self { meshes, instances, placements, world_from_object, displacement_m }
+    }
+
+    /// The way from a placement's frame to the world; none if they are one.
+    #[inline(always)]
+    pub(crate) fn rows(&self, place: u32) -> Option<Rows> {
+        if self.placements[place as usize].identity {
+            return None;
+        }
+        let m = &self.world_from_object[place as usize];
+        let [x, y, z, w] =
+            [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis, m.translation].map(glam::DVec3::as_vec3);
+        Some([[x.x, y.x, z.x, w.x], [x.y, y.y, z.y, w.y], [x.z, y.z, z.z, w.z]])
     }
 
     /// The true position of a placed triangle's corners: f64 transform times f32 vertex.
@@ -233,6 +150,14 @@ impl Trees {
         let meshes: usize = self.meshes.iter().map(MeshTree::bytes).sum();
         meshes + self.instances.bytes() + self.placements.len() * (size_of::<Placement>() + size_of::<DAffine3>())
     }
+}
+
+/// What f32 may displace a corner by that it brings to the world, m: 2^-21 of all lengths that occur, where it rounds six
+/// times by at most 2^-24 of them.
+fn displacement_m(m: &DAffine3, bounds: Bounds) -> f64 {
+    let [x, y, z, w] = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis, m.translation].map(DVec3::abs);
+    let reach = bounds.low.abs().max(bounds.high.abs());
+    (x * reach.x + y * reach.y + z * reach.z + w).max_element() * (1.0 / (1_u32 << 21) as f64)
 }
 
 /// A box in f32 that holds the placed mesh.

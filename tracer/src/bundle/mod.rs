@@ -7,9 +7,10 @@
 //! for single rays. So the answers are those of single rays, bit for bit.
 
 mod frame;
+mod meet;
 mod order;
+mod outline;
 mod shaft;
-mod walk;
 
 use crate::query::Query;
 use crate::simd::{Lanes, dispatch};
@@ -18,7 +19,7 @@ use crate::tree::Trees;
 use crate::triangle::{ShearedPacket, ShearedRay};
 use frame::Frame;
 pub(crate) use order::{arrange, narrower, restore};
-use walk::Entry;
+use outline::{Entry, View};
 
 const LANES: usize = 16;
 /// Rays of a bundle at most.
@@ -53,7 +54,7 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
     let mut stacks = Stacks { outer: Vec::with_capacity(64), inner: Vec::with_capacity(64), alone: Vec::new() };
     let mut parts = vec![queries];
     while let Some(queries) = parts.pop() {
-        match Frame::world(lanes, &trees.instances, queries) {
+        match Frame::new(lanes, trees, queries) {
             Ok(frame) => together(lanes, trees, frame, queries, &mut stacks),
             Err(Split::Packets) => parts.extend(queries.chunks_mut(LANES)),
             Err(Split::Rays) => {
@@ -76,37 +77,29 @@ fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queri
             packet.set(lane, &ShearedRay::new(q.origin(), q.direction()));
         }
     }
+    let nodes = &trees.instances.nodes;
     stacks.outer.push(Entry::ROOT);
-    while let Some((leaf, packets)) = world.next(lanes, &trees.instances.nodes, &mut stacks.outer) {
-        for place in leaf.first..leaf.first + leaf.count {
+    while let Some((entry, packets)) = world.outline.next(lanes, nodes, &mut stacks.outer) {
+        for place in entry.child.first..entry.child.first + entry.child.count {
             let placement = &trees.placements[place as usize];
             let mesh = &trees.meshes[placement.mesh as usize];
-            // One copy of the loop for both, since it is compiled for each instruction set and each query.
-            let mut seen;
-            let frame = if placement.identity {
-                &mut world
-            } else if let Some(frame) = world.seen_from(lanes, placement, &mesh.tree, packets) {
-                seen = frame;
-                &mut seen
-            } else {
-                for (index, query) in queries.iter_mut().enumerate() {
-                    let (packet, ray) = (index / LANES, index % LANES);
-                    if packets >> packet & 1 == 1 {
-                        single::through(L::SET, trees, place, &sheared[packet].ray(ray), query, &mut stacks.alone);
-                    }
-                }
-                world.refresh(queries, packets);
-                continue;
-            };
-            let mut touched = 0;
-            stacks.inner.push(Entry::ROOT);
-            while let Some((leaf, _)) = frame.next(lanes, &mesh.tree.nodes, &mut stacks.inner) {
-                let block = mesh.leaf(leaf.first);
-                touched |= frame.meet(lanes, trees, place, &block, leaf, &sheared, queries);
+            let rows = trees.rows(place);
+            let mut view = None;
+            if rows.is_some() {
+                let object_from_world = &placement.object_from_world;
+                view = Some(View::new(lanes, &world, nodes, &entry, packets, object_from_world, &mesh.tree));
             }
-            // The world's own frame has taken its limits over already.
-            if !placement.identity && touched != 0 {
-                world.refresh(queries, touched);
+            stacks.inner.push(Entry::ROOT);
+            loop {
+                let outline = if let Some(view) = &view { &view.outline } else { &world.outline };
+                let Some((Entry { child, .. }, _)) = outline.next(lanes, &mesh.tree.nodes, &mut stacks.inner) else {
+                    break;
+                };
+                let leaf = mesh.leaf(child.first);
+                let touched = world.meet(lanes, trees, place, &leaf, rows.as_ref(), child, &sheared, queries);
+                if let (true, Some(view)) = (touched, &mut view) {
+                    view.refresh::<L>(&world.outline.shafts);
+                }
             }
         }
     }

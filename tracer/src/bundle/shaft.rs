@@ -43,6 +43,19 @@ impl Packet {
         start: [0.0; LANES],
         far: [f32::NEG_INFINITY; LANES],
     };
+
+    /// Puts one of the open rays into the lanes of all others, which are done, so that they widen no shaft.
+    #[inline(always)]
+    pub(super) fn keep(&mut self, open: u32) {
+        let one = open.trailing_zeros() as usize % LANES;
+        for lane in (0..LANES).filter(|lane| open >> lane & 1 == 0) {
+            for k in 0..2 {
+                self.place[k][lane] = self.place[k][one];
+                self.slope[k][lane] = self.slope[k][one];
+            }
+            self.start[lane] = self.start[one];
+        }
+    }
 }
 
 impl Shafts {
