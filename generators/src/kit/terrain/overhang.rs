@@ -260,7 +260,8 @@ mod tests {
                 // Closed before the tiles' borders.
                 let depth = depth - (p.x / 4.0) * (p.x / 4.0);
                 let t = ((depth - behind(p)) / 2.0).clamp(-1.0, 1.0);
-                Hollow { level, floor_m, roof_m: floor_m + 2.0 * t, cover_m: depth + 1.5 - behind(p) }
+                let cover_m = (depth + 1.5 - behind(p)).min(behind(p) + 6.0);
+                Hollow { level, floor_m, roof_m: floor_m + 2.0 * t, cover_m }
             })
         };
         (ground, layout, move |p| hollows(p).to_vec())
