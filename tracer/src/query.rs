@@ -100,6 +100,28 @@ impl Found {
     }
 }
 
+/// A placed triangle: what all hits on it share.
+pub(crate) struct Placed {
+    place: u32,
+    slot: u32,
+    corners: [DVec3; 3],
+    /// Its unit normal on one of its sides.
+    normal: DVec3,
+}
+
+impl Placed {
+    /// None.
+    pub(crate) fn none() -> Self {
+        Self { place: u32::MAX, slot: u32::MAX, corners: [DVec3::ZERO; 3], normal: DVec3::ZERO }
+    }
+
+    fn new(trees: &Trees, with: &Candidate) -> Self {
+        let corners = trees.corners(with);
+        let [a, b, c] = corners;
+        Self { place: with.place, slot: with.slot, corners, normal: (b - a).cross(c - a).normalize() }
+    }
+}
+
 /// The closest crossing.
 pub(crate) struct Closest<S> {
     start: S,
@@ -118,24 +140,29 @@ impl<S: Start> Closest<S> {
         Self { start, direction, t_max, limit, found: None, ties: None }
     }
 
-    /// The hit: of all within the tolerance of the nearest, the one of the lowest (instance, triangle).
-    pub(crate) fn answer(self, trees: &Trees) -> Option<Hit> {
-        let nearest = self.found?;
-        let last = nearest.t + tie_tolerance_m(nearest.t);
-        let winner = match self.ties {
-            None => nearest,
-            Some(ties) => {
-                ties.into_iter().filter(|tie| tie.t <= last).fold(nearest, |a, b| if b.key() < a.key() { b } else { a })
+    /// The hit: of all within the tolerance of the nearest, the one of the lowest (instance, triangle). `last` is the
+    /// triangle of the hit before, which neighbours often share.
+    #[inline(always)]
+    pub(crate) fn answer(&self, trees: &Trees, last: &mut Placed) -> Option<Hit> {
+        let nearest = self.found.as_ref()?;
+        let mut winner = nearest;
+        if let Some(ties) = &self.ties {
+            let end = nearest.t + tie_tolerance_m(nearest.t);
+            for tie in ties.iter().filter(|tie| tie.t <= end) {
+                winner = if tie.key() < winner.key() { tie } else { winner };
             }
-        };
-        let corners = trees.corners(&winner.with);
+        }
+        let with = &winner.with;
+        if (last.place, last.slot) != (with.place, with.slot) {
+            *last = Placed::new(trees, with);
+        }
+        let Placed { corners, normal, .. } = *last;
         let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).normalize();
         let w = winner.weights;
         Some(Hit {
             t: winner.t,
-            instance: winner.with.instance,
-            triangle: winner.with.triangle,
+            instance: with.instance,
+            triangle: with.triangle,
             weights: w,
             point: a * w[0] + b * w[1] + c * w[2],
             normal: if normal.dot(self.direction) > 0.0 { -normal } else { normal },

@@ -3,7 +3,7 @@
 use crate::block::{Leaf, slot};
 use crate::bvh8::{Bvh8, Child, Node8};
 use crate::query::{Candidate, Query};
-use crate::simd::{Lanes, Wide, dispatch};
+use crate::simd::{Lanes, Wide, dispatch, prefetch};
 use crate::slab::{SlabRay, inverse};
 use crate::tree::Trees;
 use crate::triangle::{ShearedRay, main_axis};
@@ -23,7 +23,7 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, query: &mut Q, stack: &mut
     else {
         return;
     };
-    while let Some(leaf) = outer.next(lanes, stack, query.limit()) {
+    while let Some(leaf) = outer.next(lanes, &trees.placements, stack, query.limit()) {
         for place in leaf.first..leaf.first + leaf.count {
             through_instance(lanes, trees, place, &sheared, query, stack);
         }
@@ -54,7 +54,7 @@ fn through_instance<L: Lanes, Q: Query>(
     let inverse = inverse(direction);
     let Some(mut walk) = Walk::enter(&mesh.tree, origin, direction, inverse, query.limit(), stack) else { return };
     let sieve = Sieve::new(&walk.ray, origin, direction, inverse, mesh.tree.slack);
-    while let Some(leaf) = walk.next(lanes, stack, query.limit()) {
+    while let Some(leaf) = walk.next(lanes, &mesh.blocks, stack, query.limit()) {
         let block = mesh.leaf(leaf.first);
         let mut left = sieve.pass::<L>(&block, walk.ray.limit(query.limit())) & ((1 << leaf.count) - 1);
         while left != 0 {
@@ -107,9 +107,9 @@ impl<'t> Walk<'t> {
         Some(Self { nodes: &tree.nodes, ray: SlabRay::new(origin, direction, inverse, near, slack), bottom })
     }
 
-    /// The next leaf that is entered before `limit`.
+    /// The next leaf that is entered before `limit`. `behind` is what leaves name.
     #[inline(always)]
-    fn next<L: Lanes>(&mut self, _: L, stack: &mut Vec<Entry>, limit: f64) -> Option<Child> {
+    fn next<L: Lanes, B>(&mut self, _: L, behind: &[B], stack: &mut Vec<Entry>, limit: f64) -> Option<Child> {
         let limit = self.ray.limit(limit);
         while stack.len() > self.bottom {
             let entry = stack.pop()?;
@@ -125,8 +125,13 @@ impl<'t> Walk<'t> {
             while met != 0 {
                 let lane = met.trailing_zeros() as usize;
                 met &= met - 1;
-                let near = nears[lane];
-                stack.push(Entry { child: node.children[lane], near });
+                let (child, near) = (node.children[lane], nears[lane]);
+                if child.count > 0 {
+                    prefetch(&behind[child.first as usize]);
+                } else {
+                    prefetch(&self.nodes[child.first as usize]);
+                }
+                stack.push(Entry { child, near });
                 // The nearest comes to lie on top.
                 let mut k = stack.len() - 1;
                 while k > base && stack[k - 1].near < near {
@@ -198,16 +203,16 @@ impl Sieve {
 /// known to `error_m`.
 #[inline(always)]
 pub(crate) fn may_cross<const N: usize, X: Wide<N>>(x: [X; 3], y: [X; 3], error_m: f32) -> u32 {
-    let sizes = [x[0].abs().add(y[0].abs()), x[1].abs().add(y[1].abs()), x[2].abs().add(y[2].abs())];
-    let (factor, least) = (X::splat(2.0 * error_m), X::splat(4.0 * error_m * error_m));
-    let zero = X::splat(0.0);
+    // The largest size stands for any.
+    let [a, b, c] = [x[0].abs().add(y[0].abs()), x[1].abs().add(y[1].abs()), x[2].abs().add(y[2].abs())];
+    let bound = a.max(b).max(c).mul(X::splat(4.0 * error_m)).add(X::splat(4.0 * error_m * error_m));
+    let below = X::splat(0.0).sub(bound);
     let (mut surely_positive, mut surely_negative) = (0, 0);
     for (p, q) in [(2, 1), (0, 2), (1, 0)] {
         let edge = x[p].mul(y[q]).sub(y[p].mul(x[q]));
-        let bound = sizes[p].add(sizes[q]).mul(factor).add(least);
         // Not "less or equal", so that a NaN is sure of nothing.
         surely_positive |= bound.le(edge);
-        surely_negative |= edge.le(zero.sub(bound));
+        surely_negative |= edge.le(below);
     }
     !(surely_positive & surely_negative)
 }

@@ -1,6 +1,6 @@
 //! The tracer's questions.
 
-use crate::query::{Any, Closest, Query, segment};
+use crate::query::{Any, Closest, Placed, Query, segment};
 use crate::simd::InstructionSet;
 use crate::surface::{Hit, Origin};
 use crate::tree::Trees;
@@ -123,19 +123,20 @@ impl<'s> Tracer<'s> {
     /// The closest hit at a distance in (0, `t_max`]. Hits within [`crate::tie_tolerance_m`] of the closest are one
     /// place; the lowest (instance, triangle) of them answers.
     pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        self.one(Kind::First, Closest::new(ray.origin, ray.direction, t_max)).answer(&self.trees)
+        self.one(Kind::First, Closest::new(ray.origin, ray.direction, t_max)).answer(&self.trees, &mut Placed::none())
     }
 
     /// [`Tracer::closest`] of many rays, as far as they reach. Neighbours that go nearly the same way cost least.
     pub fn closest_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let query = |r: &Ray| Closest::new(r.origin, r.direction, self.reach_m(r.origin));
-        self.all(Kind::First, rays.iter().map(query), |q| q.answer(&self.trees))
+        let mut last = Placed::none();
+        self.all(Kind::First, rays.iter().map(query), |q| q.answer(&self.trees, &mut last))
     }
 
     /// What a straight line from a surface point to `target` meets first, if anything.
     pub fn occluder(&self, from: &Origin, target: DVec3) -> Option<Hit> {
         let (ray, t_max) = segment(from, target);
-        self.one(Kind::Line, Closest::new(from, ray.direction, t_max)).answer(&self.trees)
+        self.one(Kind::Line, Closest::new(from, ray.direction, t_max)).answer(&self.trees, &mut Placed::none())
     }
 
     /// Whether anything stands between a surface point and `target`.
@@ -145,7 +146,7 @@ impl<'s> Tracer<'s> {
 
     /// [`Tracer::occluded`] of many surface points and their targets.
     pub fn occluded_all(&self, lines: &[(Origin, DVec3)]) -> Vec<bool> {
-        self.all(Kind::Line, lines.iter().map(|(from, target)| Any::up_to(from, *target)), |q| q.found())
+        self.all(Kind::Line, lines.iter().map(|(from, target)| Any::up_to(from, *target)), Any::found)
     }
 
     /// Whether anything stands in a direction (unit) from a surface point within `t_max` metres.
@@ -156,18 +157,19 @@ impl<'s> Tracer<'s> {
     /// [`Tracer::blocked`] of many surface points and their directions (unit), as far as there is anything.
     pub fn blocked_all(&self, rays: &[(Origin, DVec3)]) -> Vec<bool> {
         let queries = rays.iter().map(|(from, d)| Any::towards(from, *d, self.reach_m(from.point())));
-        self.all(Kind::Open, queries, |q| q.found())
+        self.all(Kind::Open, queries, Any::found)
     }
 
     /// The closest hit in a direction (unit) from a surface point.
     pub fn closest_from(&self, from: &Origin, direction: DVec3, t_max: f64) -> Option<Hit> {
-        self.one(Kind::Onward, Closest::new(from, direction, t_max)).answer(&self.trees)
+        self.one(Kind::Onward, Closest::new(from, direction, t_max)).answer(&self.trees, &mut Placed::none())
     }
 
     /// [`Tracer::closest_from`] of many surface points and their directions (unit), as far as there is anything.
     pub fn closest_from_all(&self, rays: &[(Origin, DVec3)]) -> Vec<Option<Hit>> {
         let queries = rays.iter().map(|(from, d)| Closest::new(from, *d, self.reach_m(from.point())));
-        self.all(Kind::Onward, queries, |q| q.answer(&self.trees))
+        let mut last = Placed::none();
+        self.all(Kind::Onward, queries, |q| q.answer(&self.trees, &mut last))
     }
 
     fn one<Q: Query>(&self, kind: Kind, mut query: Q) -> Q {
@@ -176,7 +178,7 @@ impl<'s> Tracer<'s> {
         query
     }
 
-    fn all<Q: Query, A>(&self, kind: Kind, queries: impl Iterator<Item = Q>, answer: impl Fn(Q) -> A) -> Vec<A> {
+    fn all<Q: Query, A>(&self, kind: Kind, queries: impl Iterator<Item = Q>, answer: impl FnMut(&Q) -> A) -> Vec<A> {
         let mut queries: Vec<Q> = queries.collect();
         self.rays[kind as usize].fetch_add(queries.len() as u64, Ordering::Relaxed);
         // First hits come as a camera's rays lie, narrow enough.
@@ -187,7 +189,7 @@ impl<'s> Tracer<'s> {
         for bundle in queries.chunks_mut(bundle::MOST) {
             bundle::trace(self.set, &self.trees, bundle);
         }
-        let answers = queries.into_iter().map(answer).collect();
+        let answers = queries.iter().map(answer).collect();
         match order {
             Some(order) => bundle::restore(answers, &order),
             None => answers,

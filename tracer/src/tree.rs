@@ -24,7 +24,7 @@ pub const BYTES_PER_INSTANCE: usize = 320;
 /// A mesh's tree. A leaf's `first` is its block.
 pub(crate) struct MeshTree {
     pub(crate) tree: Bvh8,
-    blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
     /// Corners of blocks that are wider than 16 bits reach.
     wide: Vec<Corners>,
 }

@@ -21,6 +21,14 @@ pub(crate) fn main_axis(direction: DVec3) -> usize {
     }
 }
 
+/// The axes of x, y and depth of a ray in this direction.
+#[inline(always)]
+fn axes(d: DVec3) -> [usize; 3] {
+    let kz = main_axis(d);
+    let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+    if d[kz] < 0.0 { [ky, kx, kz] } else { [kx, ky, kz] }
+}
+
 /// A ray prepared for the test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay {
@@ -42,11 +50,7 @@ pub(crate) struct Crossing {
 
 impl ShearedRay {
     pub(crate) fn new(origin: DVec3, d: DVec3) -> Self {
-        let kz = main_axis(d);
-        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        if d[kz] < 0.0 {
-            core::mem::swap(&mut kx, &mut ky);
-        }
+        let [kx, ky, kz] = axes(d);
         let shear = DVec3::new(d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]);
         Self { origin, kx, ky, kz, shear }
     }
@@ -91,9 +95,17 @@ pub(crate) struct ShearedPacket {
     shear: [[f64; 16]; 3],
 }
 
+/// Numbers without their signs.
+#[inline(always)]
+pub(crate) fn sizes<D: Doubles>(of: &[f64; 16]) -> D {
+    let x = D::load(of);
+    let zero = D::splat(0.0);
+    x.max(zero.sub(x))
+}
+
 /// Crossings of sixteen rays with a triangle.
 pub(crate) struct Crossings {
-    /// A bit for each ray that has one ahead of it.
+    /// A bit for each ray that has one.
     pub(crate) met: u32,
     t: [f64; 16],
     weights: [[f64; 16]; 3],
@@ -107,31 +119,53 @@ impl Crossings {
 }
 
 impl ShearedPacket {
-    /// No rays.
-    pub(crate) const NONE: Self =
-        Self { axes: [[0; 3]; 16], are_alike: true, origin: [[0.0; 16]; 3], shear: [[0.0; 16]; 3] };
-
-    /// Puts a ray into a lane. The first must be set first.
+    /// Rays from their starts and directions, axis by axis.
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, ray: &ShearedRay) {
-        let axes = [ray.kx, ray.ky, ray.kz];
-        self.axes[lane] = axes.map(|k| k as u8);
-        self.are_alike &= self.axes[lane] == self.axes[0];
-        for (k, axis) in axes.into_iter().enumerate() {
-            self.origin[k][lane] = ray.origin[axis];
-            self.shear[k][lane] = ray.shear[k];
+    pub(crate) fn new<D: Doubles>(origin: &[[f64; 16]; 3], direction: &[[f64; 16]; 3]) -> Self {
+        let [kx, ky, kz] = axes(DVec3::new(direction[0][0], direction[1][0], direction[2][0]));
+        let mut packet = Self {
+            axes: [[kx as u8, ky as u8, kz as u8]; 16],
+            are_alike: true,
+            origin: [origin[kx], origin[ky], origin[kz]],
+            shear: [[0.0; 16]; 3],
+        };
+        let [x, y, z] = [sizes::<D>(&direction[0]), sizes::<D>(&direction[1]), sizes::<D>(&direction[2])];
+        let x_is_main = y.le(x) & z.le(x);
+        let is_main = [x_is_main, !x_is_main & z.le(y), !x_is_main & !z.le(y)];
+        let is_down = D::load(&direction[kz]).lt(D::splat(0.0));
+        packet.are_alike = is_main[kz] & 0xffff == 0xffff && (is_down == 0 || is_down == 0xffff);
+        if packet.are_alike {
+            let ahead = D::load(&direction[kz]);
+            packet.shear = [
+                D::load(&direction[kx]).div(ahead).store(),
+                D::load(&direction[ky]).div(ahead).store(),
+                D::splat(1.0).div(ahead).store(),
+            ];
+            return packet;
         }
+        for lane in 0..16 {
+            let d = DVec3::new(direction[0][lane], direction[1][lane], direction[2][lane]);
+            let ray = ShearedRay::new(DVec3::new(origin[0][lane], origin[1][lane], origin[2][lane]), d);
+            for (k, axis) in [ray.kx, ray.ky, ray.kz].into_iter().enumerate() {
+                packet.axes[lane][k] = axis as u8;
+                packet.origin[k][lane] = ray.origin[axis];
+                packet.shear[k][lane] = ray.shear[k];
+            }
+        }
+        packet
     }
 
-    /// The crossings of some of the rays with a triangle, ahead of them.
+    /// Whether it is faster to hold some of the rays against a triangle one by one.
+    #[inline(always)]
+    pub(crate) fn is_for_single(&self, rays: u32) -> bool {
+        const FEW: u32 = 3;
+        !self.are_alike || rays.count_ones() < FEW
+    }
+
+    /// The crossings of some of the rays, which are alike, with a triangle.
     #[inline(always)]
     pub(crate) fn cross<D: Doubles>(&self, rays: u32, corners: &[DVec3; 3]) -> Crossings {
-        // For fewer the one by one is faster.
-        const FEW: u32 = 3;
-        if !self.are_alike || rays.count_ones() < FEW {
-            return self.one_by_one(rays, corners);
-        }
-        let [kx, ky, kz] = self.axes[0].map(usize::from);
+        let [kx, ky, kz] = [self.axes[0][0] as usize, self.axes[0][1] as usize, self.axes[0][2] as usize];
         let zero = D::splat(0.0);
         let shear = [D::load(&self.shear[0]), D::load(&self.shear[1]), D::load(&self.shear[2])];
         let origin = [D::load(&self.origin[0]), D::load(&self.origin[1]), D::load(&self.origin[2])];
@@ -149,37 +183,20 @@ impl ShearedPacket {
         let determinant = u.add(v).add(w);
         let flat = determinant.le(zero) & zero.le(determinant);
         let met = rays & !(negative & positive) & !flat;
+        if met == 0 {
+            return Crossings { met, t: [0.0; 16], weights: [[0.0; 16]; 3] };
+        }
         let inverse = D::splat(1.0).div(determinant);
         let weights = [u.mul(inverse), v.mul(inverse), w.mul(inverse)];
         let depth = weights[0].mul(z[0]).add(weights[1].mul(z[1])).add(weights[2].mul(z[2]));
         let t = depth.mul(shear[2]);
-        Crossings {
-            met: met & zero.lt(t),
-            t: t.store(),
-            weights: [weights[0].store(), weights[1].store(), weights[2].store()],
-        }
-    }
-
-    fn one_by_one(&self, mut rays: u32, corners: &[DVec3; 3]) -> Crossings {
-        let mut all = Crossings { met: 0, t: [0.0; 16], weights: [[0.0; 16]; 3] };
-        while rays != 0 {
-            let ray = rays.trailing_zeros() as usize;
-            rays &= rays - 1;
-            if let Some(crossing) = self.ray(ray).cross(corners).filter(|c| c.t > 0.0) {
-                all.met |= 1 << ray;
-                all.t[ray] = crossing.t;
-                for (weights, w) in all.weights.iter_mut().zip(crossing.weights) {
-                    weights[ray] = w;
-                }
-            }
-        }
-        all
+        Crossings { met, t: t.store(), weights: [weights[0].store(), weights[1].store(), weights[2].store()] }
     }
 
     /// One of the rays.
     #[inline(always)]
     pub(crate) fn ray(&self, lane: usize) -> ShearedRay {
-        let [kx, ky, kz] = self.axes[lane].map(usize::from);
+        let [kx, ky, kz] = [self.axes[lane][0] as usize, self.axes[lane][1] as usize, self.axes[lane][2] as usize];
         let mut origin = DVec3::ZERO;
         origin[kx] = self.origin[0][lane];
         origin[ky] = self.origin[1][lane];

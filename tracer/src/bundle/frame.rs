@@ -5,11 +5,37 @@ use super::outline::Outline;
 use super::shaft::{Packet, Shaft, Shafts, range};
 use super::{GRAIN_M, LANES, STEEPEST, Split, WIDEST_BUNDLE, WIDEST_PACKET};
 use crate::query::Query;
-use crate::simd::{Lanes, Wide};
+use crate::simd::{Doubles, Lanes, Wide};
 use crate::slab::Bounds;
 use crate::tree::Trees;
-use crate::triangle::main_axis;
+use crate::triangle::{main_axis, sizes};
 use glam::DVec3;
+
+/// Sixteen rays as they were asked, a lane each. Lanes beyond the last ray repeat it and want nothing.
+pub(super) struct Rays {
+    pub(super) origin: [[f64; LANES]; 3],
+    pub(super) direction: [[f64; LANES]; 3],
+    limit: [f64; LANES],
+}
+
+impl Rays {
+    #[inline(always)]
+    pub(super) fn new<Q: Query>(members: &[Q]) -> Self {
+        let mut rays = Self { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3], limit: [-1.0; LANES] };
+        for lane in 0..LANES {
+            let q = &members[lane.min(members.len() - 1)];
+            let (o, d) = (q.origin(), q.direction());
+            for k in 0..3 {
+                rays.origin[k][lane] = o[k];
+                rays.direction[k][lane] = d[k];
+            }
+            if lane < members.len() {
+                rays.limit[lane] = q.limit();
+            }
+        }
+        rays
+    }
+}
 
 /// A bundle in the world's frame.
 pub(super) struct Frame {
@@ -24,61 +50,78 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The rays in the world's frame, if they share a way.
+    /// Rays in the world's frame, if they share a way.
     #[inline(always)]
-    pub(super) fn new<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &[Q]) -> Result<Self, Split> {
-        let mean = queries.iter().fold(DVec3::ZERO, |sum, q| sum + q.direction());
+    pub(super) fn new<L: Lanes>(lanes: L, trees: &Trees, rays: &[Rays]) -> Result<Self, Split> {
+        let mut mean = DVec3::ZERO;
+        for k in 0..3 {
+            let mut sum = [0.0; LANES];
+            for r in rays {
+                for lane in 0..LANES {
+                    sum[lane] += r.direction[k][lane];
+                }
+            }
+            for lane in 0..LANES {
+                mean[k] += sum[lane];
+            }
+        }
         let axes = axes(mean);
         let [x, y, z] = axes;
         let sign = if mean[z] < 0.0 { -1.0 } else { 1.0 };
         let [first, last] = depths(trees.instances.bounds, z, sign);
-        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
-        for q in queries {
-            let (o, d) = (q.origin(), q.direction());
-            let ahead = d[z] * sign;
-            if !(d[x].abs() <= STEEPEST * ahead && d[y].abs() <= STEEPEST * ahead) {
-                return Err(if queries.len() > LANES { Split::Packets } else { Split::Rays });
+        let (mut start, mut end) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        let mut fit = 0xffff;
+        for r in rays {
+            let most = L::D16::load(&r.direction[z]).mul(L::D16::splat(STEEPEST * sign));
+            fit &= sizes::<L::D16>(&r.direction[x]).le(most) & sizes::<L::D16>(&r.direction[y]).le(most);
+            for lane in 0..LANES {
+                let from = r.origin[z][lane] * sign;
+                let to = from + r.direction[z][lane] * sign * r.limit[lane];
+                start[lane] = if from < start[lane] { from } else { start[lane] };
+                end[lane] = if to > end[lane] { to } else { end[lane] };
             }
-            start = start.min(o[z] * sign);
-            end = end.max(o[z] * sign + ahead * q.limit());
         }
+        if fit != 0xffff {
+            return Err(if rays.len() > 1 { Split::Packets } else { Split::Rays });
+        }
+        let start = start.into_iter().fold(f64::INFINITY, f64::min);
+        let end = end.into_iter().fold(f64::NEG_INFINITY, f64::max);
         // f32's own depth of the first plane: boxes are placed against the same number.
         let reference = (start.max(first) as f32).next_down();
         let depth = (end.min(last) - f64::from(reference)).max(1e-3) as f32;
         let error_m = (2.0 * trees.instances.slack + trees.displacement_m) as f32;
-        let packets = queries
-            .chunks(LANES)
-            .map(|members| {
-                let mut packet = Packet::NONE;
-                for lane in 0..LANES {
-                    let q = &members[lane.min(members.len() - 1)];
-                    let (o, d) = (q.origin(), q.direction());
-                    let inverse = 1.0 / d[z];
-                    let slope = [d[x] * inverse * sign, d[y] * inverse * sign];
-                    let behind = f64::from(reference) - o[z] * sign;
-                    packet.place[0][lane] = (o[x] + slope[0] * behind) as f32;
-                    packet.place[1][lane] = (o[y] + slope[1] * behind) as f32;
-                    packet.slope[0][lane] = slope[0] as f32;
-                    packet.slope[1][lane] = slope[1] as f32;
-                    packet.start[lane] = -behind as f32 - error_m;
-                    if lane < members.len() {
-                        packet.far[lane] = far(-behind + q.limit() * d[z] * sign, error_m, depth);
-                    }
-                }
-                packet
-            })
-            .collect();
+        let mut packets = vec![Packet::NONE; rays.len()];
+        for (packet, r) in packets.iter_mut().zip(rays) {
+            let (ox, oy, oz) = (&r.origin[x], &r.origin[y], &r.origin[z]);
+            let (dx, dy, dz) = (&r.direction[x], &r.direction[y], &r.direction[z]);
+            for lane in 0..LANES {
+                let inverse = 1.0 / dz[lane];
+                let (slope_x, slope_y) = (dx[lane] * inverse * sign, dy[lane] * inverse * sign);
+                let behind = f64::from(reference) - oz[lane] * sign;
+                packet.place[0][lane] = (ox[lane] + slope_x * behind) as f32;
+                packet.place[1][lane] = (oy[lane] + slope_y * behind) as f32;
+                packet.slope[0][lane] = slope_x as f32;
+                packet.slope[1][lane] = slope_y as f32;
+                packet.start[lane] = -behind as f32 - error_m;
+                let far = far(-behind + r.limit[lane] * dz[lane] * sign, error_m, depth);
+                packet.far[lane] = if r.limit[lane] < 0.0 { f32::NEG_INFINITY } else { far };
+            }
+        }
         let outline = Outline { axes, sign: sign as f32, reference, shafts: Shafts::NONE, bundle: Shaft::NONE };
         let mut frame = Self { outline, depth, error_m, packets, drawn: [LANES as u32; LANES] };
         frame.draw(lanes, !0);
         // A shaft that is much wider than its rays need meets much that none of them meets.
-        let mut packets: Vec<f32> = (0..frame.packets.len()).map(|p| frame.outline.shafts.side(p, depth)).collect();
-        packets.sort_unstable_by(f32::total_cmp);
-        let usual = packets[packets.len() / 2];
+        let mut sides = [0.0; LANES];
+        let sides = &mut sides[..rays.len()];
+        for (p, side) in sides.iter_mut().enumerate() {
+            *side = frame.outline.shafts.side(p, depth);
+        }
+        sides.sort_unstable_by(f32::total_cmp);
+        let usual = sides[sides.len() / 2];
         if usual > WIDEST_PACKET * GRAIN_M {
             return Err(Split::Rays);
         }
-        if queries.len() > LANES && frame.outline.bundle.side(depth) > WIDEST_BUNDLE * (usual + GRAIN_M) {
+        if rays.len() > 1 && frame.outline.bundle.side(depth) > WIDEST_BUNDLE * (usual + GRAIN_M) {
             return Err(Split::Packets);
         }
         Ok(frame)

@@ -3,14 +3,14 @@
 
 use super::LANES;
 use super::frame::Frame;
-use super::shaft::{overlap, splat4};
 use crate::block::{Leaf, Rows, slot};
 use crate::bvh8::Child;
 use crate::query::{Candidate, Query};
 use crate::simd::{Lanes, Wide};
 use crate::single::may_cross;
 use crate::tree::Trees;
-use crate::triangle::ShearedPacket;
+use crate::triangle::{Crossing, ShearedPacket};
+use glam::DVec3;
 
 impl Frame {
     /// Offers a block's triangles to the rays that may meet them; tells whether any took one.
@@ -24,6 +24,7 @@ impl Frame {
         block: &Leaf<'_>,
         rows: Option<&Rows>,
         leaf: Child,
+        packets: u32,
         sheared: &[ShearedPacket],
         queries: &mut [Q],
     ) -> bool {
@@ -35,55 +36,44 @@ impl Frame {
         let [a, b, c] = corners;
         let low = [a[0].min(b[0]).min(c[0]), a[1].min(b[1]).min(c[1]), a[2].min(b[2]).min(c[2])];
         let high = [a[0].max(b[0]).max(c[0]), a[1].max(b[1]).max(c[1]), a[2].max(b[2]).max(c[2])];
-        let s = &outline.bundle;
-        let mut left = low[2].le(L::X8::splat(s.far)) & L::X8::splat(s.start).le(high[2]) & ((1 << leaf.count) - 1);
-        for k in 0..2 {
-            let lines = splat4([s.low[k], s.low_slope[k], s.high[k], s.high_slope[k]]);
-            left &= overlap(lines, [low[2], high[2]], [low[k], high[k]]);
-        }
-        if left == 0 {
-            return false;
-        }
+        let packets_of = self.outline.shafts.meet_each::<L>(packets, (1 << leaf.count) - 1, &outline.bundle, low, high);
+        let Some(packets_of) = packets_of else { return false };
         let instance = trees.placements[place as usize].instance;
-        let (low, high) = (store3(low), store3(high));
+        let (near, far) = (low[2].store(), high[2].store());
         let corners = [store3(a), store3(b), store3(c)];
         let mut touched = 0_u32;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let mut packets = self.outline.shafts.meet::<L>(
-                [L::X16::splat(low[2][lane]), L::X16::splat(high[2][lane])],
-                [[low[0][lane], high[0][lane]], [low[1][lane], high[1][lane]]],
-            );
+        for lane in 0..leaf.count as usize {
+            let mut packets = packets_of[lane];
             if packets == 0 {
                 continue;
             }
             let triangle = block.block.index[lane];
+            let with = Candidate { instance, triangle, place, slot: slot(leaf.first, lane) };
             let mut world = None;
             while packets != 0 {
                 let p = packets.trailing_zeros() as usize;
                 packets &= packets - 1;
-                let mut rays = self.sieve::<L>(p, &corners, lane, low[2][lane], high[2][lane]);
+                let mut rays = self.sieve::<L>(p, &corners, lane, near[lane], far[lane]);
                 if rays == 0 {
                     continue;
                 }
                 let world = world.get_or_insert_with(|| trees.world_corners(place, &block.triangle(lane)));
+                if sheared[p].is_for_single(rays) {
+                    while rays != 0 {
+                        let ray = rays.trailing_zeros() as usize;
+                        rays &= rays - 1;
+                        if let Some(crossing) = sheared[p].ray(ray).cross(world) {
+                            touched |= self.take(p, ray, &with, world, &crossing, queries);
+                        }
+                    }
+                    continue;
+                }
                 let crossings = sheared[p].cross::<L::D16>(rays, world);
                 rays = crossings.met;
                 while rays != 0 {
                     let ray = rays.trailing_zeros() as usize;
                     rays &= rays - 1;
-                    let query = &mut queries[p * LANES + ray];
-                    if query.starts_on(instance, triangle) {
-                        continue;
-                    }
-                    let before = query.limit();
-                    let with = Candidate { instance, triangle, place, slot: slot(leaf.first, lane) };
-                    query.take(&with, world, &crossings.of(ray));
-                    if query.limit() != before {
-                        self.packets[p].far[ray] = self.far_of(&queries[p * LANES + ray]);
-                        touched |= 1 << p;
-                    }
+                    touched |= self.take(p, ray, &with, world, &crossings.of(ray), queries);
                 }
             }
         }
@@ -91,6 +81,30 @@ impl Frame {
             self.refresh(lanes, touched);
         }
         touched != 0
+    }
+
+    /// Offers a crossing to a ray of a packet; gives the packet's bit if it was taken.
+    #[inline(always)]
+    fn take<Q: Query>(
+        &mut self,
+        p: usize,
+        ray: usize,
+        with: &Candidate,
+        corners: &[DVec3; 3],
+        crossing: &Crossing,
+        queries: &mut [Q],
+    ) -> u32 {
+        let query = &mut queries[p * LANES + ray];
+        let before = query.limit();
+        if query.starts_on(with.instance, with.triangle) {
+            return 0;
+        }
+        query.take(with, corners, crossing);
+        if query.limit() == before {
+            return 0;
+        }
+        self.packets[p].far[ray] = self.far_of(&queries[p * LANES + ray]);
+        1 << p
     }
 
     /// A bit for each ray of a packet that may meet the triangle of a lane, of these depths.

@@ -16,8 +16,8 @@ use crate::query::Query;
 use crate::simd::{Lanes, dispatch};
 use crate::single;
 use crate::tree::Trees;
-use crate::triangle::{ShearedPacket, ShearedRay};
-use frame::Frame;
+use crate::triangle::ShearedPacket;
+use frame::{Frame, Rays};
 pub(crate) use order::{arrange, narrower, restore};
 use outline::{Entry, View};
 
@@ -52,10 +52,15 @@ dispatch! {
 #[inline(always)]
 fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
     let mut stacks = Stacks { outer: Vec::with_capacity(64), inner: Vec::with_capacity(64), alone: Vec::new() };
+    let mut rays = Vec::with_capacity(LANES);
     let mut parts = vec![queries];
     while let Some(queries) = parts.pop() {
-        match Frame::new(lanes, trees, queries) {
-            Ok(frame) => together(lanes, trees, frame, queries, &mut stacks),
+        rays.clear();
+        for members in queries.chunks(LANES) {
+            rays.push(Rays::new(members));
+        }
+        match Frame::new(lanes, trees, &rays) {
+            Ok(frame) => together(lanes, trees, frame, &rays, queries, &mut stacks),
             Err(Split::Packets) => parts.extend(queries.chunks_mut(LANES)),
             Err(Split::Rays) => {
                 for query in queries {
@@ -68,18 +73,21 @@ fn whole<L: Lanes, Q: Query>(lanes: L, trees: &Trees, queries: &mut [Q]) {
 
 /// Takes rays that share a way through the scene.
 #[inline(always)]
-fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queries: &mut [Q], stacks: &mut Stacks) {
-    let mut sheared = vec![ShearedPacket::NONE; queries.len().div_ceil(LANES)];
-    for (packet, members) in sheared.iter_mut().zip(queries.chunks(LANES)) {
-        for lane in 0..LANES {
-            // Lanes that hold no ray repeat the last one.
-            let q = &members[lane.min(members.len() - 1)];
-            packet.set(lane, &ShearedRay::new(q.origin(), q.direction()));
-        }
+fn together<L: Lanes, Q: Query>(
+    lanes: L,
+    trees: &Trees,
+    mut world: Frame,
+    rays: &[Rays],
+    queries: &mut [Q],
+    stacks: &mut Stacks,
+) {
+    let mut sheared = Vec::with_capacity(LANES);
+    for r in rays {
+        sheared.push(ShearedPacket::new::<L::D16>(&r.origin, &r.direction));
     }
     let nodes = &trees.instances.nodes;
     stacks.outer.push(Entry::ROOT);
-    while let Some((entry, packets)) = world.outline.next(lanes, nodes, &mut stacks.outer) {
+    while let Some((entry, packets)) = world.outline.next(lanes, nodes, &trees.placements, &mut stacks.outer) {
         for place in entry.child.first..entry.child.first + entry.child.count {
             let placement = &trees.placements[place as usize];
             let mesh = &trees.meshes[placement.mesh as usize];
@@ -92,11 +100,13 @@ fn together<L: Lanes, Q: Query>(lanes: L, trees: &Trees, mut world: Frame, queri
             stacks.inner.push(Entry::ROOT);
             loop {
                 let outline = if let Some(view) = &view { &view.outline } else { &world.outline };
-                let Some((Entry { child, .. }, _)) = outline.next(lanes, &mesh.tree.nodes, &mut stacks.inner) else {
+                let Some((Entry { child, .. }, packets)) =
+                    outline.next(lanes, &mesh.tree.nodes, &mesh.blocks, &mut stacks.inner)
+                else {
                     break;
                 };
                 let leaf = mesh.leaf(child.first);
-                let touched = world.meet(lanes, trees, place, &leaf, rows.as_ref(), child, &sheared, queries);
+                let touched = world.meet(lanes, trees, place, &leaf, rows.as_ref(), child, packets, &sheared, queries);
                 if let (true, Some(view)) = (touched, &mut view) {
                     view.refresh::<L>(&world.outline.shafts);
                 }

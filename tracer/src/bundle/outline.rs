@@ -3,9 +3,9 @@
 
 use super::LANES;
 use super::frame::{Frame, axes};
-use super::shaft::{Shaft, Shafts, overlap, range, splat4};
+use super::shaft::{Shaft, Shafts, range};
 use crate::bvh8::{Bvh8, Child, Node8};
-use crate::simd::{Lanes, Wide};
+use crate::simd::{Lanes, Wide, prefetch};
 use crate::slab::Bounds;
 use glam::DAffine3;
 
@@ -36,9 +36,16 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// The next leaf or instance that packets' shafts meet, nearer ones first, and a bit for each of these packets.
+    /// The next leaf or instance that packets' shafts meet, nearer ones first, and a bit for each of these packets. `behind`
+    /// is what leaves name.
     #[inline(always)]
-    pub(super) fn next<L: Lanes>(&self, _: L, nodes: &[Node8], stack: &mut Vec<Entry>) -> Option<(Entry, u32)> {
+    pub(super) fn next<L: Lanes, B>(
+        &self,
+        _: L,
+        nodes: &[Node8],
+        behind: &[B],
+        stack: &mut Vec<Entry>,
+    ) -> Option<(Entry, u32)> {
         let [x, y, z] = self.axes;
         let s = &self.bundle;
         while let Some(entry) = stack.pop() {
@@ -61,21 +68,22 @@ impl Outline {
             let node = &nodes[entry.child.first as usize];
             let (low, high) = (&node.boxes.low, &node.boxes.high);
             let (near, far) = self.depths::<8, L::X8>(L::X8::load(&low[z]), L::X8::load(&high[z]));
-            let mut met = near.le(L::X8::splat(s.far)) & L::X8::splat(s.start).le(far);
-            for (k, axis) in [(0, x), (1, y)] {
-                met &= overlap(
-                    splat4([s.low[k], s.low_slope[k], s.high[k], s.high_slope[k]]),
-                    [near, far],
-                    [L::X8::load(&low[axis]), L::X8::load(&high[axis])],
-                );
-            }
+            let low = [L::X8::load(&low[x]), L::X8::load(&low[y]), near];
+            let high = [L::X8::load(&high[x]), L::X8::load(&high[y]), far];
+            let mut met = s.meet::<L>(low, high);
             let nears = near.store();
             let base = stack.len();
             while met != 0 {
                 let lane = met.trailing_zeros() as usize;
                 met &= met - 1;
                 let near = nears[lane];
-                stack.push(Entry { child: node.children[lane], near, parent: entry.child.first, lane: lane as u32 });
+                let child = node.children[lane];
+                if child.count > 0 {
+                    prefetch(&behind[child.first as usize]);
+                } else {
+                    prefetch(&nodes[child.first as usize]);
+                }
+                stack.push(Entry { child, near, parent: entry.child.first, lane: lane as u32 });
                 let mut k = stack.len() - 1;
                 while k > base && stack[k - 1].near < near {
                     stack.swap(k - 1, k);

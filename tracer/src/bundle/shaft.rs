@@ -71,15 +71,7 @@ impl Shafts {
     /// The wider side of one shaft halfway to a depth.
     #[inline(always)]
     pub(super) fn side(&self, p: usize, depth: f32) -> f32 {
-        let one = |of: &[[f32; LANES]; 2]| [of[0][p], of[1][p]];
-        Shaft {
-            low: one(&self.low),
-            low_slope: one(&self.low_slope),
-            high: one(&self.high),
-            high_slope: one(&self.high_slope),
-            ..Shaft::NONE
-        }
-        .side(depth)
+        self.one(p).side(depth)
     }
 
     /// A bit for each shaft that meets a box, given as two depths and ranges along both cross axes.
@@ -96,6 +88,64 @@ impl Shafts {
             met &= overlap(lines, depths, [L::X16::splat(ranges[k][0]), L::X16::splat(ranges[k][1])]);
         }
         met
+    }
+
+    /// For each of eight boxes the chosen packets whose shafts meet it, given as lower and upper borders along both cross axes
+    /// and depth; none if no box is met. `bundle` is the shaft around all.
+    #[inline(always)]
+    pub(super) fn meet_each<L: Lanes>(
+        &self,
+        mut packets: u32,
+        boxes: u32,
+        bundle: &Shaft,
+        low: [L::X8; 3],
+        high: [L::X8; 3],
+    ) -> Option<[u32; 8]> {
+        // As many packets against eight boxes at a time as boxes against sixteen packets, or fewer.
+        const FEW: u32 = 6;
+        let mut packets_of = [0; 8];
+        let mut any = 0;
+        if packets.count_ones() <= FEW {
+            while packets != 0 {
+                let p = packets.trailing_zeros() as usize;
+                packets &= packets - 1;
+                let mut met = boxes & self.one(p).meet::<L>(low, high);
+                any |= met;
+                while met != 0 {
+                    let lane = met.trailing_zeros() as usize;
+                    met &= met - 1;
+                    packets_of[lane] |= 1 << p;
+                }
+            }
+            return (any != 0).then_some(packets_of);
+        }
+        let mut left = boxes & bundle.meet::<L>(low, high);
+        if left == 0 {
+            return None;
+        }
+        let [x, y, z] = [low[0].store(), low[1].store(), low[2].store()];
+        let [x_high, y_high, z_high] = [high[0].store(), high[1].store(), high[2].store()];
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let depths = [L::X16::splat(z[lane]), L::X16::splat(z_high[lane])];
+            packets_of[lane] = packets & self.meet::<L>(depths, [[x[lane], x_high[lane]], [y[lane], y_high[lane]]]);
+            any |= packets_of[lane];
+        }
+        (any != 0).then_some(packets_of)
+    }
+
+    /// One of the shafts.
+    #[inline(always)]
+    fn one(&self, p: usize) -> Shaft {
+        Shaft {
+            low: [self.low[0][p], self.low[1][p]],
+            low_slope: [self.low_slope[0][p], self.low_slope[1][p]],
+            high: [self.high[0][p], self.high[1][p]],
+            high_slope: [self.high_slope[0][p], self.high_slope[1][p]],
+            start: self.start[p],
+            far: self.far[p],
+        }
     }
 
     /// Sets one packet's lines along one cross axis from where its rays stand at depth 0 and at the end.
@@ -118,6 +168,17 @@ impl Shafts {
 impl Shaft {
     pub(super) const NONE: Self =
         Self { low: [0.0; 2], low_slope: [0.0; 2], high: [0.0; 2], high_slope: [0.0; 2], start: 0.0, far: 0.0 };
+
+    /// A bit for each of eight boxes that it meets, given as lower and upper borders along both cross axes and depth.
+    #[inline(always)]
+    pub(super) fn meet<L: Lanes>(&self, low: [L::X8; 3], high: [L::X8; 3]) -> u32 {
+        let mut met = low[2].le(L::X8::splat(self.far)) & L::X8::splat(self.start).le(high[2]);
+        for k in 0..2 {
+            let lines = splat4([self.low[k], self.low_slope[k], self.high[k], self.high_slope[k]]);
+            met &= overlap(lines, [low[2], high[2]], [low[k], high[k]]);
+        }
+        met
+    }
 
     /// Its wider side halfway to a depth.
     #[inline(always)]

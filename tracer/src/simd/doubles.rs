@@ -10,6 +10,8 @@ pub(crate) trait Doubles: Copy {
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
     fn div(self, other: Self) -> Self;
+    /// The larger; `other` where either is NaN.
+    fn max(self, other: Self) -> Self;
     /// A bit for each lane where `self < other`; NaN is not.
     fn lt(self, other: Self) -> u32;
     /// A bit for each lane where `self <= other`; NaN is not.
@@ -27,6 +29,7 @@ trait Register: Copy {
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
     fn div(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
     fn lt(self, other: Self) -> u32;
     fn le(self, other: Self) -> u32;
 }
@@ -68,6 +71,7 @@ macro_rules! sixteen {
             each!(sub);
             each!(mul);
             each!(div);
+            each!(max);
             bits!(lt, $register);
             bits!(le, $register);
             #[inline(always)]
@@ -125,6 +129,10 @@ impl Register for f64 {
         self / other
     }
     #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> u32 {
         u32::from(self < other)
     }
@@ -146,10 +154,10 @@ mod x86 {
     use super::{Doubles, Register, Several};
     use core::arch::x86_64::{
         __m128d, __m256d, __m512d, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_pd, _mm_cmple_pd, _mm_cmplt_pd, _mm_div_pd,
-        _mm_loadu_pd, _mm_movemask_pd, _mm_mul_pd, _mm_set1_pd, _mm_storeu_pd, _mm_sub_pd, _mm256_add_pd,
-        _mm256_cmp_pd, _mm256_div_pd, _mm256_loadu_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_set1_pd,
-        _mm256_storeu_pd, _mm256_sub_pd, _mm512_add_pd, _mm512_cmp_pd_mask, _mm512_div_pd, _mm512_loadu_pd,
-        _mm512_mul_pd, _mm512_set1_pd, _mm512_storeu_pd, _mm512_sub_pd,
+        _mm_loadu_pd, _mm_max_pd, _mm_movemask_pd, _mm_mul_pd, _mm_set1_pd, _mm_storeu_pd, _mm_sub_pd, _mm256_add_pd,
+        _mm256_cmp_pd, _mm256_div_pd, _mm256_loadu_pd, _mm256_max_pd, _mm256_movemask_pd, _mm256_mul_pd,
+        _mm256_set1_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm512_add_pd, _mm512_cmp_pd_mask, _mm512_div_pd,
+        _mm512_loadu_pd, _mm512_max_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_storeu_pd, _mm512_sub_pd,
     };
 
     pub(crate) type Sse2Doubles = Several<__m128d, 8>;
@@ -168,13 +176,14 @@ mod x86 {
 
     macro_rules! register {
         ($register:ty, $lanes:literal, $set1:ident, $loadu:ident, $storeu:ident, $add:ident, $sub:ident, $mul:ident,
-         $div:ident, |$a:ident, $b:ident| $lt:expr, $le:expr) => {
+         $div:ident, $max:ident, |$a:ident, $b:ident| $lt:expr, $le:expr) => {
             impl Register for $register {
                 const LANES: usize = $lanes;
                 binary!(add, $add);
                 binary!(sub, $sub);
                 binary!(mul, $mul);
                 binary!(div, $div);
+                binary!(max, $max);
                 #[inline(always)]
                 fn splat(x: f64) -> Self {
                     // SAFETY: as above.
@@ -218,6 +227,7 @@ mod x86 {
         _mm_sub_pd,
         _mm_mul_pd,
         _mm_div_pd,
+        _mm_max_pd,
         |a, b| _mm_movemask_pd(_mm_cmplt_pd(a, b)).cast_unsigned(),
         _mm_movemask_pd(_mm_cmple_pd(a, b)).cast_unsigned()
     );
@@ -231,6 +241,7 @@ mod x86 {
         _mm256_sub_pd,
         _mm256_mul_pd,
         _mm256_div_pd,
+        _mm256_max_pd,
         |a, b| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)).cast_unsigned(),
         _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)).cast_unsigned()
     );
@@ -244,6 +255,7 @@ mod x86 {
         _mm512_sub_pd,
         _mm512_mul_pd,
         _mm512_div_pd,
+        _mm512_max_pd,
         |a, b| u32::from(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)),
         u32::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b))
     );

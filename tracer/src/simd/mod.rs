@@ -399,6 +399,19 @@ mod x86 {
     wide!(__m512, 1, 16);
 }
 
+/// Has the processor fetch what will be read soon.
+#[inline(always)]
+pub(crate) fn prefetch<T>(of: &T) {
+    #[cfg(target_arch = "x86_64")]
+    for line in (0..size_of::<T>()).step_by(64) {
+        use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: every x86-64 processor has it, it reads nothing, and the address lies within a reference's target.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(of).cast::<i8>().add(line)) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = of;
+}
+
 /// Makes a function that runs a generic one, compiled for an instruction set:
 /// `dispatch!(fn name(arguments) -> type = generic_function)`. The generic function and all that it calls in the inner
 /// loop must be `#[inline(always)]`.
