@@ -38,18 +38,41 @@ pub(crate) fn narrower(rays: impl ExactSizeIterator<Item = (DVec3, DVec3)> + Clo
         return None;
     }
     let (low, size) = extent(places.iter().copied());
-    // Morton's order on a grid of squares.
-    let scale = f64::from(u16::MAX) / size.max_element();
-    let mut keys: Vec<(u32, u32)> = (0..)
-        .zip(&places)
-        .map(|(k, place)| {
+    let order = morton(&places, low, size.max_element());
+    let found = reach(&places, order.iter().map(|k| *k as usize));
+    (LEAST_GAIN * found < given).then_some(order)
+}
+
+/// Places in Morton's order on a grid of 256 by 256 squares.
+fn morton(places: &[DVec2], low: DVec2, side: f64) -> Vec<u32> {
+    let scale = f64::from(u8::MAX) / side;
+    let keys: Vec<u16> = places
+        .iter()
+        .map(|place| {
             let at = (*place - low) * scale;
-            (every_other(at.x as u32) | every_other(at.y as u32) << 1, k)
+            every_other(at.x as u8) | every_other(at.y as u8) << 1
         })
         .collect();
-    keys.sort_unstable();
-    let found = reach(&places, keys.iter().map(|(_, k)| *k as usize));
-    (LEAST_GAIN * found < given).then(|| keys.into_iter().map(|(_, k)| k).collect())
+    // By the lower byte, and then by the upper one without disturbing that.
+    let mut order: Vec<u32> = (0..places.len() as u32).collect();
+    let mut before = vec![0; places.len()];
+    for shift in [0, 8] {
+        let byte = |k: u32| usize::from(keys[k as usize] >> shift & 0xff);
+        let mut next = [0_u32; 257];
+        for k in &order {
+            next[byte(*k) + 1] += 1;
+        }
+        for value in 0..256 {
+            next[value + 1] += next[value];
+        }
+        core::mem::swap(&mut order, &mut before);
+        for k in &before {
+            let place = &mut next[byte(*k)];
+            order[*place as usize] = *k;
+            *place += 1;
+        }
+    }
+    order
 }
 
 /// What packets may meet together: the sum of their areas, m^2, each grown by what a thing takes.
@@ -76,12 +99,12 @@ fn extent(places: impl Iterator<Item = DVec2>) -> (DVec2, DVec2) {
     (low, high - low)
 }
 
-/// Sixteen bits with a gap after each.
-fn every_other(n: u32) -> u32 {
-    let n = (n | n << 8) & 0x00ff_00ff;
-    let n = (n | n << 4) & 0x0f0f_0f0f;
-    let n = (n | n << 2) & 0x3333_3333;
-    (n | n << 1) & 0x5555_5555
+/// Eight bits with a gap after each.
+fn every_other(n: u8) -> u16 {
+    let n = u16::from(n);
+    let n = (n | n << 4) & 0x0f0f;
+    let n = (n | n << 2) & 0x3333;
+    (n | n << 1) & 0x5555
 }
 
 #[cfg(test)]
