@@ -128,7 +128,14 @@ impl<'s> Tracer<'s> {
 
     /// [`Tracer::closest`] of many rays, as far as they reach. Neighbours that go nearly the same way cost least.
     pub fn closest_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        let query = |r: &Ray| Closest::new(r.origin, r.direction, self.reach_m(r.origin));
+        // A camera's rays start in one place.
+        let (mut start, mut reach_m) = (DVec3::NAN, 0.0);
+        let query = |r: &Ray| {
+            if r.origin != start {
+                (start, reach_m) = (r.origin, self.reach_m(r.origin));
+            }
+            Closest::new(r.origin, r.direction, reach_m)
+        };
         let mut last = Placed::none();
         // They come as a camera's rays lie, narrow enough.
         self.all(Kind::First, rays, None, query, |q| q.answer(&self.trees, &mut last))
@@ -188,7 +195,7 @@ impl<'s> Tracer<'s> {
         kind: Kind,
         rays: &'a [T],
         order: Option<Vec<u32>>,
-        query: impl Fn(&'a T) -> Q,
+        mut query: impl FnMut(&'a T) -> Q,
         mut answer: impl FnMut(&Q) -> A,
     ) -> Vec<A> {
         self.rays[kind as usize].fetch_add(rays.len() as u64, Ordering::Relaxed);
@@ -198,7 +205,7 @@ impl<'s> Tracer<'s> {
             let mut answers = Vec::with_capacity(rays.len());
             for members in rays.chunks(bundle::MOST) {
                 queries.clear();
-                queries.extend(members.iter().map(&query));
+                queries.extend(members.iter().map(&mut query));
                 bundle::trace(self.set, &self.trees, &mut queries);
                 answers.extend(queries.iter().map(&mut answer));
             }
