@@ -128,9 +128,17 @@ impl<'s> Tracer<'s> {
 
     /// [`Tracer::closest`] of many rays, as far as they reach. Neighbours that go nearly the same way cost least.
     pub fn closest_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        let query = |r: &Ray| Closest::new(r.origin, r.direction, self.reach_m(r.origin));
+        // A camera's rays start in one place.
+        let (mut start, mut reach_m) = (DVec3::NAN, 0.0);
+        let query = |r: &Ray| {
+            if r.origin != start {
+                (start, reach_m) = (r.origin, self.reach_m(r.origin));
+            }
+            Closest::new(r.origin, r.direction, reach_m)
+        };
         let mut last = Placed::none();
-        self.all(Kind::First, rays.iter().map(query), |q| q.answer(&self.trees, &mut last))
+        // They come as a camera's rays lie, narrow enough.
+        self.all(Kind::First, rays, None, query, |q| q.answer(&self.trees, &mut last))
     }
 
     /// What a straight line from a surface point to `target` meets first, if anything.
@@ -146,7 +154,8 @@ impl<'s> Tracer<'s> {
 
     /// [`Tracer::occluded`] of many surface points and their targets.
     pub fn occluded_all(&self, lines: &[(Origin, DVec3)]) -> Vec<bool> {
-        self.all(Kind::Line, lines.iter().map(|(from, target)| Any::up_to(from, *target)), Any::found)
+        let order = bundle::narrower(lines.iter().map(|(from, target)| (from.point(), *target - from.point())));
+        self.all(Kind::Line, lines, order, |(from, target)| Any::up_to(from, *target), Any::found)
     }
 
     /// Whether anything stands in a direction (unit) from a surface point within `t_max` metres.
@@ -155,9 +164,10 @@ impl<'s> Tracer<'s> {
     }
 
     /// [`Tracer::blocked`] of many surface points and their directions (unit), as far as there is anything.
-    pub fn blocked_all(&self, rays: &[(Origin, DVec3)]) -> Vec<bool> {
-        let queries = rays.iter().map(|(from, d)| Any::towards(from, *d, self.reach_m(from.point())));
-        self.all(Kind::Open, queries, Any::found)
+    pub fn blocked_all<'a>(&self, rays: &'a [(Origin, DVec3)]) -> Vec<bool> {
+        let order = bundle::narrower(rays.iter().map(|(from, d)| (from.point(), *d)));
+        let query = |(from, d): &'a (Origin, DVec3)| Any::towards(from, *d, self.reach_m(from.point()));
+        self.all(Kind::Open, rays, order, query, Any::found)
     }
 
     /// The closest hit in a direction (unit) from a surface point.
@@ -166,10 +176,11 @@ impl<'s> Tracer<'s> {
     }
 
     /// [`Tracer::closest_from`] of many surface points and their directions (unit), as far as there is anything.
-    pub fn closest_from_all(&self, rays: &[(Origin, DVec3)]) -> Vec<Option<Hit>> {
-        let queries = rays.iter().map(|(from, d)| Closest::new(from, *d, self.reach_m(from.point())));
+    pub fn closest_from_all<'a>(&self, rays: &'a [(Origin, DVec3)]) -> Vec<Option<Hit>> {
+        let order = bundle::narrower(rays.iter().map(|(from, d)| (from.point(), *d)));
+        let query = |(from, d): &'a (Origin, DVec3)| Closest::new(from, *d, self.reach_m(from.point()));
         let mut last = Placed::none();
-        self.all(Kind::Onward, queries, |q| q.answer(&self.trees, &mut last))
+        self.all(Kind::Onward, rays, order, query, |q| q.answer(&self.trees, &mut last))
     }
 
     fn one<Q: Query>(&self, kind: Kind, mut query: Q) -> Q {
@@ -178,21 +189,37 @@ impl<'s> Tracer<'s> {
         query
     }
 
-    fn all<Q: Query, A>(&self, kind: Kind, queries: impl Iterator<Item = Q>, answer: impl FnMut(&Q) -> A) -> Vec<A> {
-        let mut queries: Vec<Q> = queries.collect();
-        self.rays[kind as usize].fetch_add(queries.len() as u64, Ordering::Relaxed);
-        // First hits come as a camera's rays lie, narrow enough.
-        let order = if matches!(kind, Kind::First) { None } else { bundle::narrower(&queries) };
-        if let Some(order) = &order {
-            queries = bundle::arrange(queries, order);
+    /// Answers of all rays, traced in an order if one is given.
+    fn all<'a, T, Q: Query, A: Clone + Default>(
+        &self,
+        kind: Kind,
+        rays: &'a [T],
+        order: Option<Vec<u32>>,
+        mut query: impl FnMut(&'a T) -> Q,
+        mut answer: impl FnMut(&Q) -> A,
+    ) -> Vec<A> {
+        self.rays[kind as usize].fetch_add(rays.len() as u64, Ordering::Relaxed);
+        // A bundle at a time, which the caches hold.
+        let mut queries = Vec::with_capacity(bundle::MOST.min(rays.len()));
+        let Some(order) = order else {
+            let mut answers = Vec::with_capacity(rays.len());
+            for members in rays.chunks(bundle::MOST) {
+                queries.clear();
+                queries.extend(members.iter().map(&mut query));
+                bundle::trace(self.set, &self.trees, &mut queries);
+                answers.extend(queries.iter().map(&mut answer));
+            }
+            return answers;
+        };
+        let mut answers = vec![A::default(); rays.len()];
+        for members in order.chunks(bundle::MOST) {
+            queries.clear();
+            queries.extend(members.iter().map(|k| query(&rays[*k as usize])));
+            bundle::trace(self.set, &self.trees, &mut queries);
+            for (query, k) in queries.iter().zip(members) {
+                answers[*k as usize] = answer(query);
+            }
         }
-        for bundle in queries.chunks_mut(bundle::MOST) {
-            bundle::trace(self.set, &self.trees, bundle);
-        }
-        let answers = queries.iter().map(answer).collect();
-        match order {
-            Some(order) => bundle::restore(answers, &order),
-            None => answers,
-        }
+        answers
     }
 }

@@ -18,7 +18,7 @@ use crate::single;
 use crate::tree::Trees;
 use crate::triangle::ShearedPacket;
 use frame::{Frame, Rays};
-pub(crate) use order::{arrange, narrower, restore};
+pub(crate) use order::narrower;
 use outline::{Entry, View};
 
 const LANES: usize = 16;

@@ -2,7 +2,6 @@
 
 use super::frame::axes;
 use super::{LANES, STEEPEST};
-use crate::query::Query;
 use glam::{DVec2, DVec3};
 
 /// How many times less packets must reach over for an order to be worth its while.
@@ -10,23 +9,23 @@ const LEAST_GAIN: f64 = 1.2;
 /// Side of what a ray meets, about, m: a packet need not be much narrower.
 const THING_M: f64 = 0.5;
 
-/// An order in which rays make narrower packets than in the given one; none if there is hardly any, or they go their own
-/// ways. The `k`-th is the ray that comes in place `k`.
+/// An order in which rays, given as starts and ways of any length, make narrower packets than in the given one; none if there
+/// is hardly any, or they go their own ways. The `k`-th is the ray that comes in place `k`.
 ///
 /// Rays to the sun that start in crowns, side by side as the camera sees them, lie metres apart as the sun does: that is
 /// where the order counts.
-pub(crate) fn narrower<Q: Query>(queries: &[Q]) -> Option<Vec<u32>> {
-    if queries.len() <= 2 * LANES {
+pub(crate) fn narrower(rays: impl ExactSizeIterator<Item = (DVec3, DVec3)> + Clone) -> Option<Vec<u32>> {
+    let count = rays.len();
+    if count <= 2 * LANES {
         return None;
     }
-    let mean = queries.iter().fold(DVec3::ZERO, |sum, q| sum + q.direction());
+    let (start, mean) = rays.clone().fold((DVec3::ZERO, DVec3::ZERO), |(start, mean), (o, d)| (start + o, mean + d));
     let [x, y, z] = axes(mean);
     let sign = if mean[z] < 0.0 { -1.0 } else { 1.0 };
-    let level = queries.iter().map(|q| q.origin()[z]).sum::<f64>() / queries.len() as f64;
+    let level = start[z] / count as f64;
     // Where they cross the plane through the middle of their starts.
-    let mut places = Vec::with_capacity(queries.len());
-    for q in queries {
-        let (o, d) = (q.origin(), q.direction());
+    let mut places = Vec::with_capacity(count);
+    for (o, d) in rays {
         let ahead = d[z] * sign;
         if !(d[x].abs() <= STEEPEST * ahead && d[y].abs() <= STEEPEST * ahead) {
             return None;
@@ -39,18 +38,41 @@ pub(crate) fn narrower<Q: Query>(queries: &[Q]) -> Option<Vec<u32>> {
         return None;
     }
     let (low, size) = extent(places.iter().copied());
-    // Morton's order on a grid of squares.
-    let scale = f64::from(u16::MAX) / size.max_element();
-    let mut keys: Vec<(u32, u32)> = (0..)
-        .zip(&places)
-        .map(|(k, place)| {
+    let order = morton(&places, low, size.max_element());
+    let found = reach(&places, order.iter().map(|k| *k as usize));
+    (LEAST_GAIN * found < given).then_some(order)
+}
+
+/// Places in Morton's order on a grid of 256 by 256 squares.
+fn morton(places: &[DVec2], low: DVec2, side: f64) -> Vec<u32> {
+    let scale = f64::from(u8::MAX) / side;
+    let keys: Vec<u16> = places
+        .iter()
+        .map(|place| {
             let at = (*place - low) * scale;
-            (every_other(at.x as u32) | every_other(at.y as u32) << 1, k)
+            every_other(at.x as u8) | every_other(at.y as u8) << 1
         })
         .collect();
-    keys.sort_unstable();
-    let found = reach(&places, keys.iter().map(|(_, k)| *k as usize));
-    (LEAST_GAIN * found < given).then(|| keys.into_iter().map(|(_, k)| k).collect())
+    // By the lower byte, and then by the upper one without disturbing that.
+    let mut order: Vec<u32> = (0..places.len() as u32).collect();
+    let mut before = vec![0; places.len()];
+    for shift in [0, 8] {
+        let byte = |k: u32| usize::from(keys[k as usize] >> shift & 0xff);
+        let mut next = [0_u32; 257];
+        for k in &order {
+            next[byte(*k) + 1] += 1;
+        }
+        for value in 0..256 {
+            next[value + 1] += next[value];
+        }
+        core::mem::swap(&mut order, &mut before);
+        for k in &before {
+            let place = &mut next[byte(*k)];
+            order[*place as usize] = *k;
+            *place += 1;
+        }
+    }
+    order
 }
 
 /// What packets may meet together: the sum of their areas, m^2, each grown by what a thing takes.
@@ -77,36 +99,20 @@ fn extent(places: impl Iterator<Item = DVec2>) -> (DVec2, DVec2) {
     (low, high - low)
 }
 
-/// Sixteen bits with a gap after each.
-fn every_other(n: u32) -> u32 {
-    let n = (n | n << 8) & 0x00ff_00ff;
-    let n = (n | n << 4) & 0x0f0f_0f0f;
-    let n = (n | n << 2) & 0x3333_3333;
-    (n | n << 1) & 0x5555_5555
-}
-
-/// Brings the `order[k]`-th to place `k`.
-pub(crate) fn arrange<T>(of: Vec<T>, order: &[u32]) -> Vec<T> {
-    let mut of: Vec<Option<T>> = of.into_iter().map(Some).collect();
-    order.iter().filter_map(|k| of[*k as usize].take()).collect()
-}
-
-/// Brings the `k`-th back to place `order[k]`.
-pub(crate) fn restore<T>(of: Vec<T>, order: &[u32]) -> Vec<T> {
-    let mut places = vec![0; order.len()];
-    for (place, k) in (0..).zip(order) {
-        places[*k as usize] = place;
-    }
-    arrange(of, &places)
+/// Eight bits with a gap after each.
+fn every_other(n: u8) -> u16 {
+    let n = u16::from(n);
+    let n = (n | n << 4) & 0x0f0f;
+    let n = (n | n << 2) & 0x3333;
+    (n | n << 1) & 0x5555
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::query::Closest;
 
-    fn rays(starts: impl Iterator<Item = DVec3>) -> Vec<Closest<DVec3>> {
-        starts.map(|start| Closest::new(start, DVec3::new(0.7, 0.1, 0.7).normalize(), 100.0)).collect()
+    fn rays(starts: impl Iterator<Item = DVec3>) -> Vec<(DVec3, DVec3)> {
+        starts.map(|start| (start, DVec3::new(0.7, 0.1, 0.7))).collect()
     }
 
     /// A square of places over ground, row by row in squares as cameras have them, and in crowns of any height.
@@ -118,18 +124,18 @@ mod tests {
 
     #[test]
     fn rays_from_level_ground_stay_as_they_are() {
-        assert_eq!(narrower(&rays(square(|_| 5.0))), None);
+        assert_eq!(narrower(rays(square(|_| 5.0)).into_iter()), None);
     }
 
     #[test]
-    fn rays_from_crowns_make_narrower_packets_and_come_back_to_their_places() {
+    fn rays_from_crowns_make_narrower_packets() {
         let rough =
             |k: u32| 10.0 * f64::from(satseed_scene::unit_from_hash(satseed_scene::hash_cell(k as i32, 0, 0, 1)));
         let queries = rays(square(rough));
-        let order = narrower(&queries).expect("they lie metres apart");
+        let order = narrower(queries.iter().copied()).expect("they lie metres apart");
         let side = |order: &[u32]| -> f64 {
             let place = |k: &u32| {
-                let o = queries[*k as usize].origin();
+                let o = queries[*k as usize].0;
                 DVec2::new(o.y - o.z / 7.0, o.x - o.z)
             };
             order.chunks(LANES).map(|p| extent(p.iter().map(place)).1.max_element()).sum()
@@ -139,16 +145,12 @@ mod tests {
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert_eq!(sorted, given);
-        let values: Vec<u32> = (1000..1256).collect();
-        let arranged = arrange(values.clone(), &order);
-        assert!(arranged.iter().zip(&order).all(|(value, k)| value - 1000 == *k));
-        assert_eq!(restore(arranged, &order), values);
     }
 
     #[test]
     fn rays_that_go_their_own_ways_have_no_order() {
         let mut queries = rays(square(f64::from));
-        queries[7] = Closest::new(DVec3::ZERO, DVec3::NEG_X, 1.0);
-        assert_eq!(narrower(&queries), None);
+        queries[7] = (DVec3::ZERO, DVec3::NEG_X);
+        assert_eq!(narrower(queries.iter().copied()), None);
     }
 }
