@@ -88,6 +88,7 @@ pub(super) struct Cover {
 
 /// How far a scene reaches, m.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_field_names, reason = "the unit stands in the name")]
 pub(super) struct Extent {
     /// Radius of full detail.
     pub(super) radius_m: f64,

@@ -37,6 +37,7 @@ struct Foot {
 
 /// A place of a wall.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_field_names, reason = "the unit stands in the name")]
 pub(super) struct Wall {
     /// Distance in the strata's profile, m.
     pub(super) distance_m: f64,
