@@ -77,6 +77,8 @@ def main():
                 shots.mkdir(parents=True, exist_ok=True)
                 page.screenshot(path=shots / f"{name}.png")
 
+        # Loading waits for a browser that shares two cores with the tests: how long is not what is held against it.
+        page.set_default_navigation_timeout(180_000)
         page.goto((root / "gallery.html").as_uri())
         cards = page.locator(".card")
         assert cards.count() == len(records), (cards.count(), len(records))
