@@ -93,14 +93,14 @@ fn shrub_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> 
     let open = 0.075 + 0.07 * northward + 0.34 * wash;
     let share = level * open * smoothstep(-0.35, 0.45, grove) * 2.0;
     // Low scrub is spread over the soil between.
-    let low = level * 0.17 * smoothstep(-0.30, 0.20, fractal(p, seed ^ 1, 110.0, 3, 0.55));
-    if first > share + low {
+    let is_low = first > share;
+    if is_low && first > share + level * 0.17 * smoothstep(-0.30, 0.20, fractal(p, seed ^ 1, 110.0, 3, 0.55)) {
         return None;
     }
     let mut rng = cell.key(path).rng();
     let p = cell.point(rng.unit(), rng.unit());
     let wet = wash > 0.5;
-    let (height, width) = if first > share {
+    let (height, width) = if is_low {
         let height = rng.lognormal(0.42, 0.25).clamp(0.28, 0.75);
         (height, height * rng.range(1.3, 2.1))
     } else {

@@ -8,8 +8,6 @@ use crate::kit::terrain::sampling::smoothstep;
 use glam::DVec2;
 use satseed_scene::{SeedPath, hash_cell, unit_from_hash};
 
-/// How far a slab reaches into the rock behind its hollow, m.
-const BEARING_M: f64 = 1.3;
 /// How far before a bed's mean line its foot is looked at, m.
 const BEFORE_M: f64 = 3.5;
 /// The deepest hollow, m.
@@ -93,7 +91,7 @@ impl Undercuts {
             return Vec::new();
         }
         let keep = smoothstep(FADE_M[0], FADE_M[1], inward) * smoothstep(1.0, 8.0, climb_m);
-        let from = self.feet.partition_point(|f| f.start_m < distance_m - DEEPEST_M - BEARING_M - FACE_M);
+        let from = self.feet.partition_point(|f| f.start_m < distance_m - DEEPEST_M - Hollow::BEARING_M - FACE_M);
         let to = self.feet.partition_point(|f| f.start_m < distance_m + BEFORE_M + FACE_M);
         let mut hollows = Vec::new();
         for foot in &self.feet[from..to] {
@@ -105,17 +103,15 @@ impl Undercuts {
                 depth += (depth.max(0.0) + foot.alcove_m - depth) * alcove;
             }
             let depth = depth * self.strength * keep - 1.5 * (1.0 - keep);
-            if depth < -BEARING_M {
+            if depth < -Hollow::BEARING_M {
                 continue;
             }
             let behind = distance_m + line(foot.bed) - foot.start_m;
-            let cover_m = depth + BEARING_M - behind;
+            let cover_m = depth + Hollow::BEARING_M - behind;
             if behind < -BEFORE_M || cover_m < -UNTOLD_M {
                 continue;
             }
-            // From 1 at the lip to 0 at the back wall, and on below.
-            let t = ((depth - behind) / (0.7 * depth.max(0.9))).clamp(-1.0, 1.0);
-            let vault = if t > 0.0 { t * (2.0 - t) } else { t };
+            let vault = Hollow::vault(depth, behind);
             // Before the lip the floor rises to what the slope was.
             let apron = vault * (1.0 + behind.min(0.0) / 2.5).max(0.0);
             let rubble = 0.12 * n(2, 3.0);

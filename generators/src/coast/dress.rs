@@ -125,8 +125,10 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
     let wet =
         smoothstep(wet_to + 0.10, wet_to - 0.04, s.land_m).max(0.75 * smoothstep(wet_to + 0.75, wet_to, s.land_m));
     // The edge of the last film of water: a thin line of foam, which lasts in places.
-    let lasting = smoothstep(-0.30, 0.25, ragged(10, 24.0));
-    let edge = smoothstep(0.10, 0.015, (s.land_m - runup).abs()) * sandy * lasting * f64::from(depth == 0.0);
+    let mut edge = smoothstep(0.10, 0.015, (s.land_m - runup).abs()) * sandy * f64::from(depth == 0.0);
+    if edge > 0.0 {
+        edge *= smoothstep(-0.30, 0.25, ragged(10, 24.0));
+    }
     let [marram, turf] = plants(relief, p, &s, seeds);
     let rocky_bottom = smoothstep(
         0.1,
@@ -139,7 +141,10 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
         smoothstep(0.10, 0.02, (s.land_m - z - 0.12 * ragged(9, 14.0)).abs()) * smoothstep(-0.15, 0.25, ragged(9, 5.0))
     });
     // Ruts are narrower than the raster's posts stand apart: what shows is the worn band of both.
-    let worn = relief.track(p, place) * (0.72 + 0.35 * ragged(4, 6.0));
+    let mut worn = relief.track(p, place);
+    if worn > 0.0 {
+        worn *= 0.72 + 0.35 * ragged(4, 6.0);
+    }
     let (path, _) = relief.path(p, place);
     let values = [
         coded_depth(still),

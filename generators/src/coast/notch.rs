@@ -5,8 +5,6 @@ use crate::kit::terrain::overhang::{Hollow, UNTOLD_M};
 use crate::kit::terrain::sampling::smoothstep;
 use glam::DVec2;
 
-/// How far the rock over the notch reaches into the cliff behind it, m.
-const BEARING_M: f64 = 1.3;
 /// How far before the cliff's foot the notch is looked at, m.
 const BEFORE_M: f64 = 1.5;
 
@@ -18,13 +16,11 @@ pub(super) fn notch(p: DVec2, seed: u32, behind_m: f64, platform_m: f64, strengt
     }
     let n = |salt: u32, wavelength_m: f64| fractal(p, seed ^ salt, wavelength_m, 2, 0.4) / 0.29;
     let depth = (2.6 + 2.4 * n(0, 33.0)).clamp(-1.0, 5.5) * strength - 1.5 * (1.0 - strength);
-    let cover_m = depth + BEARING_M - behind_m;
+    let cover_m = depth + Hollow::BEARING_M - behind_m;
     if cover_m < -UNTOLD_M {
         return None;
     }
-    // From 1 at the lip to 0 at the back wall, and on below.
-    let t = ((depth - behind_m) / (0.7 * depth.max(0.9))).clamp(-1.0, 1.0);
-    let vault = if t > 0.0 { t * (2.0 - t) } else { t };
+    let vault = Hollow::vault(depth, behind_m);
     let floor_m = platform_m + 0.05 + 0.14 * behind_m.max(0.0) + 0.08 * n(1, 3.0);
     let high_m = 2.2 + 0.8 * smoothstep(-1.0, 1.5, n(2, 50.0)) + 0.1 * n(3, 6.0);
     Some(Hollow { level: 0, floor_m, roof_m: floor_m + (high_m - 0.14 * behind_m) * vault.max(-0.6), cover_m })

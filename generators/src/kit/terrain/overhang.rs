@@ -25,6 +25,18 @@ pub struct Hollow {
     pub cover_m: f64,
 }
 
+impl Hollow {
+    /// How far a slab usually reaches into the rock behind its hollow, m.
+    pub const BEARING_M: f64 = 1.3;
+
+    /// How high a hollow of a depth is vaulted at a distance behind its lip, both in m: from 1 at the lip to 0 at the back
+    /// wall, and down to -1 within the rock, where it is closed.
+    pub fn vault(depth_m: f64, behind_m: f64) -> f64 {
+        let t = ((depth_m - behind_m) / (0.7 * depth_m.max(0.9))).clamp(-1.0, 1.0);
+        if t > 0.0 { t * (2.0 - t) } else { t }
+    }
+}
+
 /// A slab at one post.
 #[derive(Clone, Copy, Debug)]
 struct Post {
