@@ -309,9 +309,9 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         color: foam,
         amount: Field::Sum(vec![
             raster(channel::FOAM),
-            product(vec![raster(channel::FOAM).ramp(0.0, 0.3), noise("froth", 2.2, 4, 0.75)]).times(0.55),
+            product(vec![raster(channel::FOAM).ramp(0.0, 0.3), noise("froth", 2.2, 4, 0.75)]).times(0.75),
         ])
-        .ramp(0.28, 0.62),
+        .ramp(0.22, 1.05),
     })
     // What waves shorter than the mesh's do to a pixel, and where the wind presses and where a film calms them.
     .with(Layer::Brightness {

@@ -103,7 +103,9 @@ impl Shore {
                 }
         };
         let mut sea = filled(level);
-        let cut = quantile(&sea, rng.range(0.40, 0.60));
+        // Below cliffs the sea takes what the noise calls land: platforms, inlets, the cliffs' feet.
+        let washed = if variant == Variant::Cliff { 0.06 } else { 0.0 };
+        let cut = quantile(&sea, rng.range(0.40, 0.58) + washed);
         for v in &mut sea.data {
             *v -= cut;
         }

@@ -58,13 +58,13 @@ fn tuft(relief: &Relief, path: &SeedPath, shrubs: f64, cell: Cell) -> Option<Pla
     let path = path.child("tuft");
     let seed = path.hash_u32();
     let (draw, corner) = (cell.draw(seed), cell.point(0.0, 0.0));
-    if draw > 0.30 * shrubs {
+    if draw > 0.62 * shrubs {
         return None;
     }
     let groups = smoothstep(-0.1, 0.4, fractal(corner, seed, 85.0, 4, 0.6));
     let sand = relief.dunes.sand(corner);
     let share =
-        0.30 * shrubs * (0.05 + 0.95 * groups) * smoothstep(1.2, 0.3, sand.thick_m) * smoothstep(0.8, 0.3, sand.lee);
+        0.62 * shrubs * (0.10 + 0.90 * groups) * smoothstep(1.2, 0.3, sand.thick_m) * smoothstep(0.8, 0.3, sand.lee);
     if draw > share {
         return None;
     }

@@ -107,7 +107,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
         height: if wild < 0.55 { rng.range(0.75, 1.0) } else { rng.range(1.0, 1.7) },
         gaps: if rng.chance(0.3) { rng.range(0.05, 0.22) } else { 0.015 },
         wild,
-        tree_m: rng.range(13.0, 28.0),
+        tree_m: rng.range(17.0, 36.0),
     };
     // How many trees in how many metres, and how far from the middle line they stand.
     let (tree_m, away_m) = match border.edge {
@@ -226,7 +226,7 @@ fn orchard(relief: &Relief, parcel: &Parcel, row_m: f64, tree_m: f64, path: &See
     let Some(area) = Area::new(relief, parcel, 5.0, 0.0) else { return Vec::new() };
     let [low, high] = area.span();
     let mut rng = path.rng();
-    let [wide, tall] = [rng.range(0.72, 0.98), rng.range(0.46, 0.58)];
+    let [wide, tall] = [rng.range(0.66, 0.92), rng.range(0.41, 0.53)];
     let mut out = Vec::new();
     for k in libm::ceil(low / row_m - 0.5) as i64..=libm::floor(high / row_m - 0.5) as i64 {
         let v = (k as f64 + 0.5) * row_m;

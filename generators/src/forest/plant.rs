@@ -22,22 +22,22 @@ fn colors(species: Species) -> [Bands; 3] {
     let leaf = |b, g, r, n| Bands::new(b, g, r, n);
     match species {
         Species::Oak => {
-            [leaf(0.028, 0.082, 0.051, 0.42), leaf(0.006, 0.026, 0.010, 0.28), leaf(0.08, 0.095, 0.11, 0.2)]
+            [leaf(0.027, 0.072, 0.050, 0.42), leaf(0.005, 0.021, 0.010, 0.28), leaf(0.08, 0.095, 0.11, 0.2)]
         }
         Species::Beech => {
-            [leaf(0.029, 0.094, 0.053, 0.45), leaf(0.006, 0.032, 0.011, 0.3), leaf(0.15, 0.16, 0.17, 0.25)]
+            [leaf(0.028, 0.081, 0.053, 0.45), leaf(0.005, 0.025, 0.011, 0.3), leaf(0.15, 0.16, 0.17, 0.25)]
         }
         Species::Birch => {
-            [leaf(0.034, 0.100, 0.066, 0.42), leaf(0.008, 0.034, 0.014, 0.28), leaf(0.3, 0.32, 0.33, 0.4)]
+            [leaf(0.033, 0.089, 0.066, 0.42), leaf(0.007, 0.027, 0.014, 0.28), leaf(0.3, 0.32, 0.33, 0.4)]
         }
         Species::Spruce => {
-            [leaf(0.024, 0.060, 0.040, 0.27), leaf(0.003, 0.010, 0.004, 0.1), leaf(0.07, 0.08, 0.10, 0.16)]
+            [leaf(0.024, 0.053, 0.040, 0.27), leaf(0.003, 0.010, 0.004, 0.1), leaf(0.07, 0.08, 0.10, 0.16)]
         }
         Species::Pine => {
-            [leaf(0.031, 0.070, 0.053, 0.29), leaf(0.004, 0.012, 0.006, 0.1), leaf(0.07, 0.11, 0.17, 0.25)]
+            [leaf(0.030, 0.063, 0.053, 0.29), leaf(0.004, 0.012, 0.006, 0.1), leaf(0.07, 0.11, 0.17, 0.25)]
         }
         Species::Larch => {
-            [leaf(0.029, 0.084, 0.058, 0.34), leaf(0.005, 0.022, 0.009, 0.18), leaf(0.08, 0.10, 0.13, 0.2)]
+            [leaf(0.028, 0.075, 0.058, 0.34), leaf(0.005, 0.022, 0.009, 0.18), leaf(0.08, 0.10, 0.13, 0.2)]
         }
     }
 }
@@ -51,8 +51,8 @@ pub(super) fn leaves(name: &str, class: Class, [color, through]: [Bands; 2], con
             amount: Field::Sum(vec![Field::Variation(1).times(0.20 * k), Field::Variation(2).times(0.08 * k)]),
         })
         .with(Layer::Tint {
-            tint: Bands::new(-0.25, 0.0, 0.85, 0.0),
-            amount: Field::Sum(vec![Field::Variation(0).times(0.17 * k), Field::Variation(2).times(0.10 * k)]),
+            tint: Bands::new(0.1, 0.0, 0.7, 0.0),
+            amount: Field::Sum(vec![Field::Variation(0).times(0.13 * k), Field::Variation(2).times(0.08 * k)]),
         })
         .with(Layer::Tint { tint: Bands::new(0.5, 0.15, 0.35, 0.1), amount: Field::Variation(3).times(0.16 * k) })
         .with(Layer::Brightness { amount: noise(1, 1.9).times(0.30 * k) })
