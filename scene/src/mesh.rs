@@ -72,6 +72,16 @@ impl Mesh {
         })
     }
 
+    /// Adds another mesh, whose lists must be those that this one has.
+    pub fn append(&mut self, other: Self) {
+        let first = self.positions_m.len() as u32;
+        self.triangles.extend(other.triangles.into_iter().map(|t| t.map(|v| first + v)));
+        self.positions_m.extend(other.positions_m);
+        self.slots.extend(other.slots);
+        self.normals.extend(other.normals);
+        self.uvs_m.extend(other.uvs_m);
+    }
+
     /// Checks lengths, indices, the lattice, and that every triangle has area.
     pub fn validate(&self) -> Result<(), MeshError> {
         let length = |list, found, expected| {

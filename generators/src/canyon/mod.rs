@@ -145,17 +145,14 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
 
 /// A tile and the slabs over it as one mesh, with normals of the source raster and the material slot of each triangle.
 fn dressed(tile: TileMesh, slabs: Mesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> Mesh {
-    let TileMesh { mut positions_m, mut triangles } = tile;
-    let mut normals: Vec<[f32; 3]> =
+    let TileMesh { positions_m, triangles } = tile;
+    let normals =
         positions_m.iter().map(|p| normal_of_slope(relief.slope(DVec2::new(p[0].into(), p[1].into())))).collect();
-    let first = positions_m.len() as u32;
-    triangles.extend(slabs.triangles.iter().map(|t| t.map(|v| first + v)));
-    positions_m.extend(slabs.positions_m);
-    normals.extend(slabs.normals);
-    let slots = triangles
-        .iter()
+    let mut mesh = Mesh { positions_m, triangles, normals, ..Mesh::default() };
+    mesh.append(slabs);
+    mesh.slots = (0..mesh.triangles.len())
         .map(|t| {
-            let [a, b, c] = t.map(|v| DVec3::from_array(positions_m[v as usize].map(f64::from)));
+            let [a, b, c] = mesh.corners(t);
             let middle = ((a + b + c) / 3.0).truncate();
             let upward = (b - a).cross(c - a).normalize().z;
             let Cover { bank_m, scree_m, .. } = relief.cover(middle);
@@ -171,7 +168,7 @@ fn dressed(tile: TileMesh, slabs: Mesh, relief: &Relief<'_>, river: &River, is_d
             }
         })
         .collect();
-    Mesh { positions_m, triangles, slots, normals, uvs_m: Vec::new() }
+    mesh
 }
 
 /// The river's area between its banks, for asking whether a place lies in it.

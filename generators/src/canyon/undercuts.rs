@@ -102,7 +102,7 @@ impl Undercuts {
                 alcove = smoothstep(1.5, 2.2, n(1, 44.0));
                 depth += (depth.max(0.0) + foot.alcove_m - depth) * alcove;
             }
-            let depth = depth * self.strength * keep - 1.5 * (1.0 - keep);
+            let depth = Hollow::faded(depth * self.strength, keep);
             if depth < -Hollow::BEARING_M {
                 continue;
             }

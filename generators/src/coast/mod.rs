@@ -144,7 +144,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
 
 /// A tile with normals of the source surfaces and the material slot of each triangle. Where water meets land a vertex
 /// stands twice, with the normal of each. Then the slabs over the tile's notches.
-fn dressed(tile: &TileMesh, slabs: Mesh, relief: &Relief) -> Mesh {
+fn dressed(tile: &TileMesh, mut slabs: Mesh, relief: &Relief) -> Mesh {
     let mut mesh = Mesh::default();
     let mut index: BTreeMap<(u32, bool), u32> = BTreeMap::new();
     for t in &tile.triangles {
@@ -166,14 +166,14 @@ fn dressed(tile: &TileMesh, slabs: Mesh, relief: &Relief) -> Mesh {
         mesh.triangles.push(triangle);
         mesh.slots.push(if water { slot::WATER } else { land_slot(relief, corners, &surface) });
     }
-    let first = mesh.positions_m.len() as u32;
-    for (t, corners) in slabs.triangles.iter().zip((0..).map(|t| slabs.corners(t))) {
-        mesh.triangles.push(t.map(|v| first + v));
-        let surface = relief.surface((corners[0] + corners[1] + corners[2]).truncate() / 3.0);
-        mesh.slots.push(land_slot(relief, corners, &surface));
-    }
-    mesh.positions_m.extend(slabs.positions_m);
-    mesh.normals.extend(slabs.normals);
+    slabs.slots = (0..slabs.triangles.len())
+        .map(|t| {
+            let corners = slabs.corners(t);
+            let surface = relief.surface((corners[0] + corners[1] + corners[2]).truncate() / 3.0);
+            land_slot(relief, corners, &surface)
+        })
+        .collect();
+    mesh.append(slabs);
     mesh
 }
 

@@ -15,7 +15,7 @@ pub(super) fn notch(p: DVec2, seed: u32, behind_m: f64, platform_m: f64, strengt
         return None;
     }
     let n = |salt: u32, wavelength_m: f64| fractal(p, seed ^ salt, wavelength_m, 2, 0.4) / 0.29;
-    let depth = (2.6 + 2.4 * n(0, 33.0)).clamp(-1.0, 5.5) * strength - 1.5 * (1.0 - strength);
+    let depth = Hollow::faded((2.6 + 2.4 * n(0, 33.0)).clamp(-1.0, 5.5), strength);
     let cover_m = depth + Hollow::BEARING_M - behind_m;
     if cover_m < -UNTOLD_M {
         return None;

@@ -316,7 +316,7 @@ pub(super) fn add_extras(mesh: &mut Mesh, extras: &[Extra]) {
             }
         }
     }
-    append(mesh, b.finish());
+    mesh.append(b.finish());
 }
 
 /// How deep the posts of a deck reach below the pad, m: deeper than a bank falls below its outer edge.
@@ -386,14 +386,6 @@ fn solar_slab(b: &mut MeshBuilder, corner: DVec2, along: DVec2, up: DVec2, heigh
         let n = (k + 1) % 4;
         b.fan(slot::METAL, &[(bottom[k], uv[k]), (bottom[n], uv[n]), (top[n], uv[n]), (top[k], uv[k])]);
     }
-}
-
-fn append(mesh: &mut Mesh, other: Mesh) {
-    let first = mesh.positions_m.len() as u32;
-    mesh.positions_m.extend(other.positions_m);
-    mesh.uvs_m.extend(other.uvs_m);
-    mesh.triangles.extend(other.triangles.into_iter().map(|t| t.map(|v| v + first)));
-    mesh.slots.extend(other.slots);
 }
 
 /// A building plan out of masses drawn in a lot's frame: moved to its own middle, its feet in the ground.

@@ -29,6 +29,11 @@ impl Hollow {
     /// How far a slab usually reaches into the rock behind its hollow, m.
     pub const BEARING_M: f64 = 1.3;
 
+    /// A depth, m, where hollows end: all of it at `keep` 1, closed at 0.
+    pub fn faded(depth_m: f64, keep: f64) -> f64 {
+        depth_m * keep - 1.5 * (1.0 - keep)
+    }
+
     /// How high a hollow of a depth is vaulted at a distance behind its lip, both in m: from 1 at the lip to 0 at the back
     /// wall, and down to -1 within the rock, where it is closed.
     pub fn vault(depth_m: f64, behind_m: f64) -> f64 {
