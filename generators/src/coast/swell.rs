@@ -54,7 +54,7 @@ impl Swell {
         // Crests are long but not endless, and come in groups: noise over time of travel and place along the crest.
         let across = self.towards.perp_dot(p);
         let q = DVec2::new(travel_s * 9.0, across * 0.55);
-        let jitter = 0.16 * fractal(q, self.jitter, 75.0, 3, 0.55);
+        let jitter = 0.21 * fractal(q, self.jitter, 75.0, 3, 0.55);
         let group = (0.62 + 1.15 * fractal(q, self.groups, 60.0, 2, 0.5)).clamp(0.12, 1.5);
         let turns = travel_s / self.period_s + jitter;
         let phase = turns - libm::floor(turns);
