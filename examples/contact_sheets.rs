@@ -14,7 +14,7 @@ use image::{
 use satseed::camera::Camera;
 use satseed::plan::Plan;
 use satseed::recipe::{Preset, Recipe};
-use satseed::render::{AmbientMode, Image, Light, Sensor, Settings, render};
+use satseed::render::{AmbientMode, Exposure, Image, Light, Sensor, Settings, develop, expose};
 use satseed_generators::Region;
 use satseed_scene::{Environment, Ray, SeedPath};
 use satseed_tracer::Tracer;
@@ -27,6 +27,7 @@ const HALF_FRAME_M: f64 = 307.2;
 const CELL_PX: u32 = 512;
 /// Between cells.
 const GAP_PX: u32 = 6;
+const SENSOR: Sensor = Sensor::WORLDVIEW3_RGB;
 
 fn main() -> anyhow::Result<()> {
     let asked: Vec<String> = std::env::args().skip(1).collect();
@@ -50,10 +51,15 @@ fn main() -> anyhow::Result<()> {
             let own = Light::of(&tracer, &environment());
             let shared = own.clone().with_ambient(AmbientMode::PerScene, scene.full_detail_radius_m);
             // Pixels of a wide view share little.
-            let views = views(&tracer).into_iter().zip([&own, &shared, &own]);
-            for (sheet, (cameras, light)) in sheets.iter_mut().zip(views) {
-                sheet.push(cameras.iter().map(|camera| picture(&tracer, camera, light)).collect());
-            }
+            let [whole, crops, oblique] = views(&tracer);
+            let views = [(whole, &own), (crops, &shared), (oblique, &own)];
+            let [whole, crops, oblique] = views.map(|(cameras, light)| exposures(&tracer, &cameras, light));
+            // As in a dataset, a crop has its frame's stretch: water alone would else be as bright as a beach.
+            let count = whole.len();
+            let mut from_above = develop([whole, crops].concat(), SENSOR);
+            sheets[1].push(from_above.split_off(count));
+            sheets[0].push(from_above);
+            sheets[2].push(develop(oblique, SENSOR));
         }
         // The frames from above stand in one row.
         let nadir: Vec<Image> = sheets[0].drain(..).flatten().collect();
@@ -140,9 +146,9 @@ fn environment() -> Environment {
     }
 }
 
-fn picture(tracer: &Tracer, camera: &Camera, light: &Light) -> Image {
-    let settings = Settings { samples_per_pixel: 4, sensor: Sensor::WORLDVIEW3_RGB };
-    render(tracer, camera, light, settings, &SeedPath::root("contact sheet", 0))
+fn exposures(tracer: &Tracer, cameras: &[Camera], light: &Light) -> Vec<Exposure> {
+    let settings = Settings { samples_per_pixel: 4, sensor: SENSOR };
+    cameras.iter().map(|camera| expose(tracer, camera, light, settings, &SeedPath::root("contact sheet", 0))).collect()
 }
 
 fn transposed(rows: &[Vec<Image>]) -> Vec<Vec<Image>> {

@@ -33,22 +33,52 @@ impl Grid {
         self.first + DVec2::new(column as f64, row as f64) * self.cell_m
     }
 
-    /// Which of the cells along one axis have their centre between two coordinates; a little generous.
-    fn between(&self, low: f64, high: f64) -> core::ops::Range<usize> {
+    /// A place, and the cells around it within some rows.
+    #[inline(always)]
+    fn corner(&self, at: DVec3, rows: &core::ops::Range<usize>) -> Corner {
         // Far above the rounding of coordinates, far below anything that costs time.
         const SLACK: f64 = 1e-6;
-        let from = ((low / self.cell_m) - SLACK).ceil().max(0.0);
-        let to = ((high / self.cell_m) + SLACK).floor().min(self.side as f64 - 1.0);
-        if from <= to { from as usize..to as usize + 1 } else { 0..0 }
+        let cell = (at.truncate() - self.first) / self.cell_m;
+        let around = |x: f64, cells: &core::ops::Range<usize>| {
+            // Never below zero, so that what is cut off its fraction is rounded down: rounding is a call on many processors.
+            let low = (x - SLACK).max(cells.start as f64);
+            let first = low as i32 + i32::from(f64::from(low as i32) < low);
+            let last = ((x + SLACK).clamp(-1.0, cells.end as f64 - 1.0) + 1.0) as i32 - 1;
+            [-first, last]
+        };
+        let ([a, b], [c, d]) = (around(cell.x, &(0..self.side)), around(cell.y, rows));
+        Corner { at, around: [a, b, c, d] }
     }
 
-    fn columns(&self, low: f64, high: f64) -> core::ops::Range<usize> {
-        self.between(low - self.first.x, high - self.first.x)
+    /// A place, and the cells around it.
+    fn corner_anywhere(&self, at: DVec3) -> Corner {
+        self.corner(at, &(0..self.side))
     }
+}
 
-    fn rows(&self, low: f64, high: f64) -> core::ops::Range<usize> {
-        self.between(low - self.first.y, high - self.first.y)
+/// A triangle's corner.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    /// World, m.
+    at: DVec3,
+    /// Less the first column whose centre is not west of the place, the last that is not east of it; the same for rows.
+    around: [i32; 4],
+}
+
+/// Columns and rows whose centres lie between some corners; a little generous. Most triangles of a tree lie between all
+/// centres, so this is where time goes: of each pair of numbers the greatest decide.
+#[inline(always)]
+fn between<const N: usize>(corners: &[Corner; N]) -> Option<[core::ops::Range<usize>; 2]> {
+    let mut most = corners[0].around;
+    for corner in &corners[1..] {
+        for (most, other) in most.iter_mut().zip(corner.around) {
+            *most = (*most).max(other);
+        }
     }
+    let [west, east, south, north] = most;
+    let none = (west + east < 0) | (south + north < 0);
+    let range = |low: i32, high: i32| (-low) as usize..(high + 1) as usize;
+    (!none).then(|| [range(west, east), range(south, north)])
 }
 
 /// A vertical line's way through a surface, in one number, so that hundreds of millions sort quickly. In their order they go
@@ -125,22 +155,27 @@ impl<'s> Columns<'s> {
         let first = band * BAND_ROWS;
         let rows = first..(first + BAND_ROWS).min(self.grid.side);
         let mut out = Vec::with_capacity(rows.len() * self.grid.side * USUAL_CROSSINGS);
+        let mut corners: Vec<Corner> = Vec::new();
         for part in &self.bands[band] {
-            let terrain = self.scene.instances[part.instance as usize].object == 0;
-            let mut add = |triangle: u32| {
-                let corners = self.scene.corners(part.instance, triangle);
-                cover(&self.grid, &rows, &corners, |cell, enters, z_m| {
+            let placed = &self.scene.instances[part.instance as usize];
+            let terrain = placed.object == 0;
+            let mut add = |corners: [Corner; 3]| {
+                cover(&self.grid, first, &corners, |cell, enters, z_m| {
                     out.push(Crossing::new(cell, z_m as f32, enters, terrain));
                 });
             };
             if let Some(triangles) = &part.triangles {
                 for t in triangles {
-                    add(*t);
+                    add(self.scene.corners(part.instance, *t).map(|p| self.grid.corner(p, &rows)));
                 }
             } else {
-                let mesh = self.scene.instances[part.instance as usize].mesh;
-                for t in 0..self.scene.meshes[mesh as usize].triangles.len() {
-                    add(t as u32);
+                // Each vertex is placed once: six triangles have it.
+                let mesh = &self.scene.meshes[placed.mesh as usize];
+                let place = |p: &[f32; 3]| placed.world_from_object.transform_point3(DVec3::from(p.map(f64::from)));
+                corners.clear();
+                corners.extend(mesh.positions_m.iter().map(|p| self.grid.corner(place(p), &rows)));
+                for [a, b, c] in &mesh.triangles {
+                    add([corners[*a as usize], corners[*b as usize], corners[*c as usize]]);
                 }
             }
         }
@@ -164,20 +199,16 @@ fn parts(scene: &Scene, grid: &Grid, instance: u32, (low, high): (DVec3, DVec3))
         least = least.min(p);
         most = most.max(p);
     }
-    if grid.columns(least.x, most.x).is_empty() {
-        return Vec::new();
-    }
-    let bands = bands_of(&grid.rows(least.y, most.y));
+    let Some([_, rows]) = between(&[least, most].map(|p| grid.corner_anywhere(p))) else { return Vec::new() };
+    let bands = bands_of(&rows);
     if bands.len() <= FEW_BANDS {
         return bands.map(|band| (band, Part { instance, triangles: None })).collect();
     }
     let mut lists: Vec<Vec<u32>> = bands.clone().map(|_| Vec::new()).collect();
     for triangle in 0..scene.meshes[placed.mesh as usize].triangles.len() as u32 {
-        let [a, b, c] = scene.corners(instance, triangle);
-        if grid.columns(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)).is_empty() {
-            continue;
-        }
-        for band in bands_of(&grid.rows(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y))) {
+        let corners = scene.corners(instance, triangle).map(|p| grid.corner_anywhere(p));
+        let Some([_, rows]) = between(&corners) else { continue };
+        for band in bands_of(&rows) {
             lists[band - bands.start].push(triangle);
         }
     }
@@ -185,19 +216,12 @@ fn parts(scene: &Scene, grid: &Grid, instance: u32, (low, high): (DVec3, DVec3))
     full.map(|(band, list)| (band, Part { instance, triangles: Some(list) })).collect()
 }
 
-/// Calls `found` for every cell of some rows whose vertical line crosses a triangle: the cell, counted from the first of
-/// those rows, whether the triangle looks up, and the height.
-fn cover(grid: &Grid, rows: &core::ops::Range<usize>, corners: &[DVec3; 3], mut found: impl FnMut(u32, bool, f64)) {
-    let [a, b, c] = *corners;
-    let own = grid.rows(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
-    let (from, to) = (own.start.max(rows.start), own.end.min(rows.end));
-    if from >= to {
-        return;
-    }
-    let columns = grid.columns(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
-    if columns.is_empty() {
-        return;
-    }
+/// Calls `found` for every cell whose vertical line crosses a triangle, among the rows that its corners know: the cell,
+/// counted from the start of row `first`, whether the triangle looks up, and the height.
+#[inline(always)]
+fn cover(grid: &Grid, first: usize, corners: &[Corner; 3], mut found: impl FnMut(u32, bool, f64)) {
+    let Some([columns, rows]) = between(corners) else { return };
+    let [a, b, c] = corners.map(|corner| corner.at);
     let area = (b - a).truncate().perp_dot((c - a).truncate());
     if area == 0.0 {
         // A wall: no vertical line crosses it.
@@ -207,7 +231,7 @@ fn cover(grid: &Grid, rows: &core::ops::Range<usize>, corners: &[DVec3; 3], mut 
     let [p, q, r] = if enters { [a, b, c] } else { [a, c, b] };
     let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
     let edges = [Edge::new(p, q), Edge::new(q, r), Edge::new(r, p)];
-    for row in from..to {
+    for row in rows {
         for column in columns.clone() {
             let at = grid.centre(column, row);
             // By name: `map` over an array is at times not compiled into this loop, which then takes twice as long.
@@ -215,7 +239,7 @@ fn cover(grid: &Grid, rows: &core::ops::Range<usize>, corners: &[DVec3; 3], mut 
             if pq.0 && qr.0 && rp.0 {
                 let z = (r.z * pq.1 + p.z * qr.1 + q.z * rp.1) / (pq.1 + qr.1 + rp.1);
                 // A triangle nearly on edge has a height only within its corners'; a number that is none falls on the lowest.
-                let cell = ((row - rows.start) * grid.side + column) as u32;
+                let cell = ((row - first) * grid.side + column) as u32;
                 found(cell, enters, z.min(high).max(low));
             }
         }

@@ -20,7 +20,7 @@ use strata::Strata;
 use valley::{Channels, Fold, Trunk};
 
 /// Raised whenever the same parameters and seed give other bytes.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// Parameters of a canyon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]

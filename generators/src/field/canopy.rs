@@ -5,6 +5,7 @@ use super::plan::Parcel;
 use super::relief::Relief;
 use crate::kit::polygon;
 use crate::kit::terrain::noise::fractal;
+use crate::kit::terrain::sampling::smoothstep;
 use crate::kit::terrain::tin::Ground;
 use glam::{DVec2, DVec3};
 use satseed_scene::{Mesh, quantise_m};
@@ -22,6 +23,14 @@ const WHEEL_M: [f64; 2] = [1.0, 0.26];
 /// How tightly a sprayer turns, m, and the chords of the turn.
 const TURN_M: f64 = 6.5;
 const ARC: usize = 4;
+/// How far a parcel's rim recedes at most where sowing was uneven, and how far a wheel's track wanders, m.
+const RAGGED_M: f64 = 0.55;
+const WANDER_M: f64 = 0.22;
+/// Share of a wheel's track that plants at its sides close at most.
+const CLOSED: f64 = 0.72;
+/// Height of plants beside a wheel's track, and at a parcel's rim, as shares of those within.
+const BESIDE: f64 = 0.68;
+const AT_RIM: f64 = 0.42;
 /// How far the sides go below the ground, m.
 const ROOT_M: f64 = 0.35;
 /// From a parcel's outline to its crop, m.
@@ -31,11 +40,11 @@ pub(super) const RIM_M: f64 = 0.35;
 pub(super) fn sheets(relief: &Relief, parcel: &Parcel) -> Vec<Mesh> {
     let Form::Slab { height_m, boom_m, .. } = parcel.crop.facts().form else { return Vec::new() };
     let cereal = matches!(parcel.crop, Crop::WheatGreen | Crop::WheatRipe | Crop::Barley);
-    let canopy = Canopy { relief, height_m, cereal, drilled: boom_m > 0.0 };
+    let canopy = Canopy { relief, height_m, cereal };
     let mut meshes = Vec::new();
-    let mut keep = |points: &[Vec<DVec2>]| {
+    let mut keep = |points: &[Vec<DVec2>], sides: Sides| {
         if points.iter().flatten().any(|p| relief.is_detailed(*p)) {
-            meshes.push(canopy.sheet(points));
+            meshes.push(canopy.sheet(points, sides));
         }
     };
     let (mut rim_m, mut turn_m) = (RIM_M, 0.0);
@@ -46,8 +55,9 @@ pub(super) fn sheets(relief: &Relief, parcel: &Parcel) -> Vec<Mesh> {
         let inner = c + wheel + half;
         if [RIM_M, inner].iter().all(|d| inset(&parcel.outline, *d).is_some()) {
             for [from, to] in [[RIM_M, c - wheel - half], [c - wheel + half, c + wheel - half]] {
+                let sides = if from > RIM_M { Sides::Band } else { Sides::Outermost };
                 for ring in ring(relief, parcel, from, to, c + TURN_M) {
-                    keep(&ring);
+                    keep(&ring, sides);
                 }
             }
             rim_m = inner;
@@ -59,13 +69,12 @@ pub(super) fn sheets(relief: &Relief, parcel: &Parcel) -> Vec<Mesh> {
     let mut cuts: Vec<[f64; 2]> = Vec::new();
     if boom_m > 0.0 {
         let mut from = low;
-        let first = libm::floor(low / boom_m) as i64;
-        for k in first..=libm::ceil(high / boom_m) as i64 {
-            let middle = (k as f64 + 0.5) * boom_m;
-            // A line too near the headland's own would be driven twice.
-            if middle - low < 0.3 * boom_m || high - middle < 0.3 * boom_m {
-                continue;
-            }
+        // The headland's turn sprays one boom along the rim; passes lie one boom apart from one side on, and the last
+        // one leaves no room for another.
+        let first = low + boom_m - wheel - half;
+        let last = libm::floor((high - 0.5 * boom_m - first) / boom_m) as i64;
+        for k in 0..=last {
+            let middle = first + k as f64 * boom_m;
             for side in [-wheel, wheel] {
                 let at = middle + side;
                 if at - half > low && at + half < high {
@@ -84,7 +93,7 @@ pub(super) fn sheets(relief: &Relief, parcel: &Parcel) -> Vec<Mesh> {
     }
     for [from, to] in cuts.into_iter().filter(|[a, b]| b - a > 0.3) {
         for strip in area.strip(from, to) {
-            keep(&strip);
+            keep(&strip, if boom_m > 0.0 { Sides::Strip } else { Sides::Meeting });
         }
     }
     meshes
@@ -271,13 +280,24 @@ fn between(
     between(middle, last, at, lines);
 }
 
+/// What lies beside a sheet: before its first and after its last row, and at its rows' ends.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sides {
+    /// The next sheet everywhere.
+    Meeting,
+    /// Wheels' tracks all round.
+    Strip,
+    /// Wheels' tracks before the first and after the last row; the same band goes on at its ends.
+    Band,
+    /// As for a band, but the first row is the parcel's rim.
+    Outermost,
+}
+
 /// A canopy over the ground.
 struct Canopy<'a> {
     relief: &'a Relief,
     height_m: f64,
     cereal: bool,
-    /// In strips between tramlines; else its strips meet.
-    drilled: bool,
 }
 
 impl Canopy<'_> {
@@ -294,20 +314,48 @@ impl Canopy<'_> {
         self.relief.height_m(p) + self.plants_m(p)
     }
 
+    /// Where a sheet's point comes to stand, and the height of its plants as a share. Tracks wander a little, and plants
+    /// lean over them more or less; a parcel's rim is low and ragged.
+    fn settled(points: &[Vec<DVec2>], j: usize, i: usize, sides: Sides) -> (DVec2, f64) {
+        let p = points[j][i];
+        let (rows, columns) = (points.len(), points[0].len());
+        if sides == Sides::Meeting {
+            return (p, 1.0);
+        }
+        let noise = |salt: u32, wavelength_m: f64| fractal(p, 0x7a3c ^ salt, wavelength_m, 2, 0.6);
+        let outward = |inner: DVec2| (p - inner).normalize_or_zero();
+        if sides == Sides::Outermost && j == 0 {
+            let recedes_m = RAGGED_M * (0.5 + 0.9 * noise(1, 5.5)).clamp(0.0, 1.0);
+            return (p - outward(points[1][i]) * recedes_m, AT_RIM + 0.35 * noise(2, 3.7).abs());
+        }
+        let mut away = DVec2::ZERO;
+        if j == 0 || j + 1 == rows {
+            away += outward(points[if j == 0 { 1 } else { j - 1 }][i]);
+        }
+        if sides == Sides::Strip && (i == 0 || i + 1 == columns) {
+            away += outward(points[j][if i == 0 { 1 } else { i - 1 }]);
+        }
+        if away == DVec2::ZERO {
+            return (p, 1.0);
+        }
+        let wander = DVec2::new(noise(3, 26.0), noise(4, 26.0)) * WANDER_M;
+        let closes_m = WHEEL_M[1] * CLOSED * smoothstep(-0.1, 0.32, noise(5, 37.0));
+        (p + wander + away * closes_m, BESIDE)
+    }
+
     /// A closed-sided sheet over a grid of points: rows from right to left, points along each row onward.
-    fn sheet(&self, points: &[Vec<DVec2>]) -> Mesh {
+    fn sheet(&self, points: &[Vec<DVec2>], sides: Sides) -> Mesh {
         let mut mesh = Mesh::default();
         let columns = points[0].len();
         let rows = points.len();
         let e = 0.7;
         for (j, row) in points.iter().enumerate() {
-            for (i, p) in row.iter().enumerate() {
-                let p = Relief::on_lattice(*p);
+            for i in 0..row.len() {
+                let (p, share) = Self::settled(points, j, i, sides);
+                let p = Relief::on_lattice(p);
                 let d = |x: f64, y: f64| self.top_m(p + DVec2::new(x, y)) - self.top_m(p - DVec2::new(x, y));
                 let normal = DVec3::new(-d(e, 0.0), -d(0.0, e), 2.0 * e).normalize();
-                // Plants at a rim lean out and are lower.
-                let at_rim = self.drilled && (i == 0 || j == 0 || i + 1 == columns || j + 1 == rows);
-                let plants_m = self.plants_m(p) * if at_rim { 0.74 } else { 1.0 };
+                let plants_m = self.plants_m(p) * share;
                 mesh.positions_m.push([p.x as f32, p.y as f32, quantise_m(self.relief.height_m(p) + plants_m)]);
                 mesh.normals.push(normal.as_vec3().to_array());
             }

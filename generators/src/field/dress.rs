@@ -242,8 +242,8 @@ impl Look {
                 color: self.apart(Bands::new(0.048, 0.080, 0.056, 0.30)),
                 amount: raster(channel::WEEDS).times(0.5),
             })
-            .with(self.brightness(Self::noise(self.seed("tussocks"), 2.1, 3, 0.9).times(0.24)))
-            .bumpy(Self::noise(self.seed("tussock bump"), 1.6, 2, 0.8), 0.03 * self.contrast)
+            .with(self.brightness(Self::noise(self.seed("tussocks"), 2.1, 3, 0.95).times(0.34)))
+            .bumpy(Self::noise(self.seed("tussock bump"), 1.6, 2, 0.8), 0.05 * self.contrast)
     }
 
     /// Materials of borders, by slot.
@@ -465,7 +465,16 @@ impl Look {
                     color: self.apart(loam.lerp(self.grass, 0.3)),
                     amount: product(vec![paths, raster(channel::HUE).ramp(0.35, 0.6)]).times(0.55),
                 })
-                .with(self.brightness(Self::noise(seed("grazed"), 13.0, 4, 0.65).times(0.26)))
+                .with(self.brightness(Self::noise(seed("grazed"), 13.0, 5, 0.75).times(0.30)))
+                // Rank tufts round old dung, and bare, dusty spots.
+                .with(Layer::Mix {
+                    color: self.apart(Bands::new(0.040, 0.074, 0.052, 0.34)),
+                    amount: Self::noise(seed("dung"), 3.4, 3, 0.7).ramp(0.34, 0.6).times(0.55),
+                })
+                .with(Layer::Mix {
+                    color: self.apart(loam.lerp(self.grass, 0.2)),
+                    amount: Self::noise(seed("bare"), 6.1, 4, 0.8).ramp(0.4, 0.7).times(0.5),
+                })
             }
             Crop::Hay => {
                 let m = self.grassland(facts.name, Class::LowVegetation, self.green(parcel));
@@ -478,7 +487,7 @@ impl Look {
                 ))
             }
             Crop::Yard => {
-                let m = Material::diffuse(facts.name, Class::Ground, self.apart(Bands::new(0.128, 0.146, 0.156, 0.19)));
+                let m = Material::diffuse(facts.name, Class::Ground, self.apart(Bands::new(0.098, 0.116, 0.132, 0.18)));
                 self.common(m)
                     .with(Layer::Mix {
                         color: self.apart(self.soil),
@@ -573,6 +582,10 @@ impl Look {
             let headland_m = if boom_m > 0.0 { 0.5 * boom_m as f32 } else { 0.0 };
             m = self.passes(m, axis, drill, rng.range(0.015, 0.055) as f32, seed("drill"), headland_m.max(3.0));
             m = m.with(self.streaks(axis, seed("streak"), 1.0, 0.085));
+            if parcel.crop == Crop::Meadow {
+                // Grasses and herbs in flower, in patches of their own.
+                m = m.with(self.brightness(Self::noise(seed("sward"), 7.0, 5, 0.8).times(0.32)));
+            }
             if row_m > 0.4 {
                 // Wide enough for the soil to show between the rows.
                 let width_m = row_m as f32 * facts.cover.clamp(0.3, 0.85);
@@ -608,7 +621,7 @@ impl Look {
             m = m
                 .with(self.brightness(Field::Variation(1).times(0.12)))
                 .with(self.brightness(Field::world_noise(seed("grain"), 0.5, 2).times(0.22)));
-            let through = self.apart(green) * 0.35;
+            let through = self.apart(green) * 0.28;
             m.brdf = Brdf::Leaf { transmission: through };
         }
         let m = self.towers(m, parcel, loam * 0.8);

@@ -26,29 +26,38 @@ pub(super) fn farmstead(relief: &Relief, parcel: &Parcel, path: &SeedPath) -> Ve
     let mut yard = Site { relief, parcel, middle: centre(&parcel.world), taken: Vec::new(), things: Vec::new() };
     let turn = if rng.chance(0.5) { DVec2::X } else { -DVec2::X };
     let axis = parcel.axis.rotate(turn);
-    let at = |x: f64, y: f64| axis * x + axis.perp() * y;
+    // One farm is the mirror image of another's order at most: what it keeps differs, too.
+    let hand = if rng.chance(0.5) { 1.0 } else { -1.0 };
+    let silos = rng.below(4);
+    let at = |x: f64, y: f64| axis * x + axis.perp() * (hand * y);
     // The great barn first; what does not fit any more is left out.
     let big = [rng.range(34.0, 42.0), rng.range(14.0, 18.0)];
     yard.barn(at(-6.0, 19.0), axis, big, rng.range(5.0, 6.4), &path.child("barn"));
-    yard.round(at(22.0, 20.0), rng.range(2.5, 3.2), rng.range(9.0, 14.0), true, &path.child("silo"));
-    yard.round(at(22.0, 12.5), rng.range(2.3, 2.9), rng.range(8.0, 12.0), true, &path.child("silo 2"));
-    if rng.chance(0.7) {
-        yard.round(at(28.5, 16.0), rng.range(2.0, 2.6), rng.range(6.0, 9.0), true, &path.child("silo 3"));
+    for (k, place) in [at(22.0, 20.0), at(22.0, 12.5), at(28.5, 16.0)].into_iter().take(silos as usize).enumerate() {
+        let key = path.child("silo").index(k as u64);
+        let mut rng = key.rng();
+        yard.round(place, rng.range(2.0, 3.2), rng.range(6.5, 14.0), true, &key);
     }
     let second = [rng.range(22.0, 28.0), rng.range(10.0, 13.0)];
     yard.barn(at(19.0, -9.0), axis.perp(), second, rng.range(4.0, 5.2), &path.child("shed"));
     yard.house(at(-20.0, -18.0), axis, &path.child("house"));
     yard.barn(at(-24.0, 1.0), axis, [rng.range(12.0, 17.0), 8.0], 3.6, &path.child("garage"));
-    yard.round(at(-2.0, -21.0), rng.range(6.5, 8.5), 2.6, false, &path.child("tank"));
-    for k in 0..9_u64 {
+    // Where no slurry is kept, another shed stands in its place.
+    if rng.chance(0.4) {
+        yard.round(at(-2.0, -21.0), rng.range(5.0, 8.5), 2.6, false, &path.child("tank"));
+    } else if rng.chance(0.7) {
+        let size = [rng.range(13.0, 19.0), rng.range(7.0, 10.0)];
+        yard.barn(at(-1.0, -21.0), axis, size, rng.range(3.2, 4.4), &path.child("open shed"));
+    }
+    for k in 0..14_u64 {
         let key = path.child("machine").index(k);
         let mut rng = key.rng();
         let place = at(rng.range(-26.0, 26.0), rng.range(-24.0, 24.0));
         let (s, c) = libm::sincos(rng.range(0.0, core::f64::consts::TAU));
         match k {
-            0..=2 => yard.machine(place, DVec2::new(c, s), tractor(), "tractor", &key),
-            3 | 4 => yard.machine(place, DVec2::new(c, s), trailer(), "trailer", &key),
-            5 | 6 => yard.machine(place, DVec2::new(c, s), Body::Hatchback.mesh(), "car", &key),
+            0..=2 | 9 => yard.machine(place, DVec2::new(c, s), tractor(), "tractor", &key),
+            3 | 4 | 10 | 11 => yard.machine(place, DVec2::new(c, s), trailer(), "trailer", &key),
+            5 | 6 | 12 => yard.machine(place, DVec2::new(c, s), Body::Hatchback.mesh(), "car", &key),
             7 => yard.machine(place, DVec2::new(c, s), Body::Pickup.mesh(), "pickup", &key),
             _ => yard.machine(place, DVec2::new(c, s), Body::Truck.mesh(), "lorry", &key),
         }

@@ -7,6 +7,7 @@ use super::relief::Relief;
 use crate::kit::mesh_builder::MeshBuilder;
 use crate::kit::polygon;
 use crate::kit::scatter::{Kind, Placed, lowest, variation};
+use crate::kit::terrain::noise::fractal;
 use crate::kit::trees::{SPECIES, cluster, tree};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -55,14 +56,14 @@ pub(super) fn tree_kind(path: &SeedPath) -> Kind {
 fn foliage(name: &str, class: Class, path: &SeedPath) -> Material {
     let seed = path.child("leaves").hash_u32();
     Material {
-        brdf: Brdf::Leaf { transmission: Bands::new(0.010, 0.034, 0.016, 0.20) },
-        ..Material::diffuse(name, class, Bands::new(0.045, 0.098, 0.064, 0.34))
+        brdf: Brdf::Leaf { transmission: Bands::new(0.008, 0.024, 0.014, 0.20) },
+        ..Material::diffuse(name, class, Bands::new(0.034, 0.068, 0.049, 0.32))
             .with(Layer::Mix {
-                color: Bands::new(0.058, 0.118, 0.084, 0.36),
+                color: Bands::new(0.044, 0.084, 0.066, 0.34),
                 amount: Field::Variation(0).ramp(-0.3, 0.9),
             })
             .with(Layer::Mix {
-                color: Bands::new(0.070, 0.110, 0.098, 0.30),
+                color: Bands::new(0.056, 0.084, 0.080, 0.29),
                 amount: Field::Variation(2).ramp(0.35, 1.0).times(0.8),
             })
             .with(Layer::Brightness { amount: Field::Variation(1).times(0.18) })
@@ -103,7 +104,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
     let mut rng = path.rng();
     let wild = rng.unit();
     let style = Style {
-        width: rng.range(1.05, 1.5),
+        width: rng.range(0.95, 1.6),
         height: if wild < 0.55 { rng.range(0.75, 1.0) } else { rng.range(1.0, 1.7) },
         gaps: if rng.chance(0.3) { rng.range(0.05, 0.22) } else { 0.015 },
         wild,
@@ -150,7 +151,7 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
             let uneven = 0.10 + 0.28 * style.wild;
             let scale = DVec3::new(
                 rng.range(0.95, 1.15),
-                style.width * (1.0 + uneven * rng.signed()),
+                style.width * (1.0 + uneven * rng.signed() + 0.7 * fractal(p, 0x4ed9e, 24.0, 2, 0.5)),
                 style.height * (1.0 + uneven * rng.signed()),
             );
             pieces.push(planted(relief, p, axis, scale, 0.45, VARIANTS, 0, &mut rng, format!("hedge/{index}/{k}")));
@@ -161,7 +162,8 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
     let mut k = 0;
     while tree_m > 0.0 && s < length - 4.0 {
         let mut rng = path.child("tree").index(k).rng();
-        let step_m = tree_m * rng.range(0.55, 1.6);
+        // Some stand close together, others far apart.
+        let step_m = tree_m * (0.22 - 0.85 * libm::log(1.0 - 0.97 * rng.unit()));
         let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
         let q = a + along * s + along.perp() * (away_m * side + 0.3 * rng.signed());
         let p = plan.warp.world(q);

@@ -320,10 +320,10 @@ fn block(
     if length < 2 && stand.pass > 1 && relief.thin(middle) > 0.12 {
         for row in 0..stand.pass {
             let y = (f64::from(row) - 0.5 * f64::from(stand.pass - 1)) * stand.row_m;
-            for k in 0..(long / BLOCK_M[2]) as u32 {
-                let place = at + axis.perp() * y + axis * (f64::from(k) * BLOCK_M[2]);
-                if relief.thin(place) < rng.range(0.15, 1.9) {
-                    block(relief, stand, place, axis, 2, path, out);
+            for k in 0..(long / BLOCK_M[3]) as u32 {
+                let place = at + axis.perp() * y + axis * (f64::from(k) * BLOCK_M[3]);
+                if relief.thin(place) < rng.range(0.1, 1.3) {
+                    block(relief, stand, place, axis, 3, path, out);
                 }
             }
         }
@@ -355,7 +355,8 @@ fn headland(relief: &Relief, parcel: &Parcel, stand: &Stand, distance_m: f64, pa
         for i in 0..count {
             let s = start + f64::from(i) * BLOCK_M[1];
             let (p, q) = (warp.world(a + along * s), warp.world(a + along * (s + BLOCK_M[1])));
-            block(relief, stand, p, (q - p).normalize(), 1, path, out);
+            // The bend of the plan into the world stretches some pieces: their ends meet all the same.
+            block(relief, stand, p, (q - p) / BLOCK_M[1], 1, path, out);
         }
     }
 }

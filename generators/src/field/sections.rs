@@ -15,12 +15,12 @@ const ARCS: usize = 96;
 
 pub(super) fn lay(params: &Params, path: &SeedPath) -> Sheet {
     let mut sheet = Sheet::default();
-    let mut rng = path.child("grid").rng();
+    let mut rng = path.child("section grid").rng();
     let (s, c) = libm::sincos(rng.signed() * 0.035 + if rng.chance(0.5) { core::f64::consts::FRAC_PI_2 } else { 0.0 });
     let axis = DVec2::new(c, s);
     // The corner of four quarters, so that a frame sees parts of each.
     let flip = |v: f64, turn: bool| if turn { -v } else { v };
-    let node = DVec2::new(flip(rng.range(60.0, 165.0), rng.chance(0.5)), flip(rng.range(60.0, 165.0), rng.chance(0.5)));
+    let node = DVec2::new(flip(rng.range(45.0, 185.0), rng.chance(0.5)), flip(rng.range(45.0, 185.0), rng.chance(0.5)));
     let at = |i: i64, j: i64| axis.rotate(node + DVec2::new(i as f64, j as f64) * QUARTER_M);
     let cells = 3_i64;
     let border = |sheet: &mut Sheet, a: DVec2, b: DVec2, edge: Edge| {

@@ -4,6 +4,7 @@
 use super::land::Land;
 use super::stands::{Kind, Stands, sickness};
 use super::{Params, REACH_M};
+use crate::kit::terrain::noise::fractal;
 use crate::kit::woods::Species;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -123,12 +124,16 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
                     continue;
                 }
             }
+            // Grass and brambles keep the rest.
+            Kind::Young if patch(p, seed) < -0.3 && draw(6) < 0.75 => continue,
             kind => kind,
         };
         let species = Species::ALL[pick(&stand.mix, draw(7))];
         let conifer = species.is_conifer();
         let (height_m, crown_m) = if kind == Kind::Young {
-            let h = 2.5 + 6.5 * (0.35 + 0.65 * draw(8)) * (0.5 + 0.5 * draw(9));
+            // Higher and lower by patches: no sowing comes up everywhere at once.
+            let patch = (1.0 + 1.3 * patch(p, seed)).clamp(0.45, 1.5);
+            let h = 2.0 + 6.5 * patch * (0.35 + 0.65 * draw(8)) * (0.5 + 0.5 * draw(9));
             (h, (0.55 + 0.15 * h) * if conifer { 0.85 } else { 1.1 } * libm::exp(0.15 * normal(10)))
         } else {
             // Weibull of stem diameters, cm; heights and crowns from them.
@@ -146,14 +151,14 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
                 Species::Pine => (1.0 + 0.09 * stem) * 1.25,
                 Species::Spruce | Species::Larch => (1.0 + 0.09 * stem) * 1.12,
             };
-            (height, 0.5 * wide * libm::exp(0.16 * normal(16)))
+            (height, 0.5 * wide * libm::exp(if conifer { 0.25 } else { 0.17 } * normal(16)))
         };
         let crown_m = crown_m.clamp(0.5, WIDEST_M);
         let height_m = height_m.clamp(1.5, 44.0).max(1.6 * crown_m);
         // Stems keep off ways and water, wide crowns a little farther.
         let keep = |beyond: f64, from: f64, lean: f64| beyond > from + lean * crown_m;
         let open = keep(land.track.beyond_m(p), 1.9, 0.22)
-            && keep(land.rides.beyond_m(p), 0.4, 0.35)
+            && keep(land.rides.beyond_m(p), 0.3, 0.2)
             && keep(land.streams.beyond_m(p), 0.4, 0.05)
             && (kind == Kind::Young || keep(outside, 0.2, 0.3));
         if !open {
@@ -168,6 +173,11 @@ fn candidates(land: &Land, stands: &Stands, seed: u32, cell: (i32, i32)) -> Vec<
         out.push(Tree { at_m: p, species, height_m, crown_m, health, key: (cell.0, cell.1, number) });
     }
     out
+}
+
+/// How well a young stand came up, about -0.6 to 0.6.
+fn patch(p: DVec2, seed: u32) -> f64 {
+    fractal(p, seed ^ 0x9a7c, 27.0, 3, 0.55)
 }
 
 fn pick(weights: &[f64; 6], draw: f64) -> usize {

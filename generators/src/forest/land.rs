@@ -280,12 +280,18 @@ fn rides(path: &SeedPath) -> Vec<Part> {
     for k in 0..count {
         let along = if k == 0 { DVec2::new(c, s) } else { DVec2::new(-s, c) };
         let off = along.perp() * rng.range(60.0, 240.0) * if rng.chance(0.5) { -1.0 } else { 1.0 };
-        let step = 24.0;
+        let step = 12.0;
         let n = libm::floor(HALF_M * 1.4 / step) as i64;
         let inside = |p: &DVec3| p.truncate().abs().max_element() < HALF_M - 2.0;
-        let points: Vec<DVec3> =
-            (-n..=n).map(|i| (off + along * (i as f64 * step)).extend(0.0)).filter(inside).collect();
-        all.extend(parts(&points, RIDE_HALF_M * rng.range(0.85, 1.3)));
+        // Set out with a line, worn and overgrown since: it sways by a few metres, and its width changes.
+        let seed = path.index(k).hash_u32();
+        let at = |i: i64| off + along * (i as f64 * step);
+        let sway = |i: i64| along.perp() * (7.0 * fractal(at(i), seed, 190.0, 3, 0.5));
+        let points: Vec<DVec3> = (-n..=n).map(|i| (at(i) + sway(i)).extend(0.0)).filter(inside).collect();
+        let wide = RIDE_HALF_M * rng.range(0.85, 1.3);
+        let half_m = |p: DVec3| wide * (1.0 + 0.75 * fractal(p.truncate(), seed ^ 1, 75.0, 2, 0.5));
+        let ways = parts(&points, wide);
+        all.extend(ways.into_iter().map(|part| Part { half_m: part.ends_m.map(half_m), ..part }));
     }
     all
 }

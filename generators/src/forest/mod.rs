@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use stands::Stands;
 
 /// Raised whenever the same parameters and seed give other bytes.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// How the forest is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

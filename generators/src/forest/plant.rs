@@ -3,6 +3,7 @@
 use super::growth::{Growth, Health, Tree};
 use super::land::Land;
 use crate::kit::scatter::lowest;
+use crate::kit::terrain::noise::fractal;
 use crate::kit::woods::{self, INDIVIDUALS, SIZES, Species};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -22,13 +23,13 @@ fn colors(species: Species) -> [Bands; 3] {
     let leaf = |b, g, r, n| Bands::new(b, g, r, n);
     match species {
         Species::Oak => {
-            [leaf(0.027, 0.072, 0.050, 0.42), leaf(0.005, 0.021, 0.010, 0.28), leaf(0.08, 0.095, 0.11, 0.2)]
+            [leaf(0.028, 0.062, 0.049, 0.42), leaf(0.005, 0.016, 0.010, 0.28), leaf(0.08, 0.095, 0.11, 0.2)]
         }
         Species::Beech => {
-            [leaf(0.028, 0.081, 0.053, 0.45), leaf(0.005, 0.025, 0.011, 0.3), leaf(0.15, 0.16, 0.17, 0.25)]
+            [leaf(0.029, 0.068, 0.051, 0.45), leaf(0.005, 0.018, 0.011, 0.3), leaf(0.15, 0.16, 0.17, 0.25)]
         }
         Species::Birch => {
-            [leaf(0.033, 0.089, 0.066, 0.42), leaf(0.007, 0.027, 0.014, 0.28), leaf(0.3, 0.32, 0.33, 0.4)]
+            [leaf(0.036, 0.076, 0.066, 0.42), leaf(0.007, 0.020, 0.014, 0.28), leaf(0.3, 0.32, 0.33, 0.4)]
         }
         Species::Spruce => {
             [leaf(0.024, 0.053, 0.040, 0.27), leaf(0.003, 0.010, 0.004, 0.1), leaf(0.07, 0.08, 0.10, 0.16)]
@@ -37,7 +38,7 @@ fn colors(species: Species) -> [Bands; 3] {
             [leaf(0.030, 0.063, 0.053, 0.29), leaf(0.004, 0.012, 0.006, 0.1), leaf(0.07, 0.11, 0.17, 0.25)]
         }
         Species::Larch => {
-            [leaf(0.028, 0.075, 0.058, 0.34), leaf(0.005, 0.022, 0.009, 0.18), leaf(0.08, 0.10, 0.13, 0.2)]
+            [leaf(0.029, 0.066, 0.056, 0.34), leaf(0.005, 0.017, 0.009, 0.18), leaf(0.08, 0.10, 0.13, 0.2)]
         }
     }
 }
@@ -52,11 +53,16 @@ pub(super) fn leaves(name: &str, class: Class, [color, through]: [Bands; 2], con
         })
         .with(Layer::Tint {
             tint: Bands::new(0.1, 0.0, 0.7, 0.0),
-            amount: Field::Sum(vec![Field::Variation(0).times(0.13 * k), Field::Variation(2).times(0.08 * k)]),
+            amount: Field::Sum(vec![
+                // Toward olive and rust more than toward blue-green, of which leaves have little.
+                Field::Variation(0).affine(0.17 * k, 0.07 * k),
+                Field::Variation(2).times(0.08 * k),
+            ]),
         })
-        .with(Layer::Tint { tint: Bands::new(0.5, 0.15, 0.35, 0.1), amount: Field::Variation(3).times(0.16 * k) })
+        .with(Layer::Tint { tint: Bands::new(0.35, 0.1, 0.35, 0.1), amount: Field::Variation(3).times(0.14 * k) })
         .with(Layer::Brightness { amount: noise(1, 1.9).times(0.30 * k) })
-        .with(Layer::Brightness { amount: noise(2, 0.45).times(0.36 * k) });
+        .with(Layer::Brightness { amount: noise(2, 0.45).times(0.46 * k) })
+        .bumpy(noise(3, 0.55), 0.09 * k);
     m.brdf = Brdf::Leaf { transmission: through };
     m
 }
@@ -185,6 +191,10 @@ fn instance(land: &Land, tree: &Tree, near: bool, first_mesh: u32, sets: &Sets, 
     let tilt =
         DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, (DVec3::Z + lean.clamp_length_max(0.09)).normalize()));
     let base = f64::from(quantise_m(lowest(land, at_m, 0.25))) - 0.08;
+    // Hue goes in groups: kin of one seed tree, of one soil.
+    let mut variation: [f32; 4] = core::array::from_fn(|_| rng.signed() as f32);
+    let kin = fractal(at_m, path.child("kin").hash_u32(), 52.0, 2, 0.6) as f32;
+    variation[0] = (0.7 * variation[0] + 1.5 * kin).clamp(-1.0, 1.0);
     let instance = Instance {
         mesh: first_mesh + mesh as u32,
         world_from_object: DAffine3::from_mat3_translation(
@@ -197,7 +207,7 @@ fn instance(land: &Land, tree: &Tree, near: bool, first_mesh: u32, sets: &Sets, 
             Health::Brown => sets.brown[n],
             Health::Dead => sets.dead,
         },
-        variation: core::array::from_fn(|_| rng.signed() as f32),
+        variation,
     };
     let path = format!("tree/{}_{}/{}", key.0, key.1, key.2);
     (instance, Object { path, class: Class::Tree })

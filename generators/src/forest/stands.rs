@@ -97,10 +97,12 @@ impl Stands {
     /// How far a place lies outside the nearest gap or clearing, m; negative inside.
     pub(super) fn outside_m(&self, p: DVec2) -> f64 {
         let q = warp(p, self.gap_seed, 15.0, 4.0);
+        // Clearings have followed the ground and what was felled, and are no discs.
+        let wide = warp(q, self.gap_seed ^ 0x3c, 52.0, 17.0);
         let rare = 1.0 / self.density;
         let gaps = self.discs(q, GAP_CELL_M, 0, |draw, size| (draw < 0.36 * rare).then_some(2.2 + 6.2 * size * size));
         let clearings =
-            self.discs(q, CLEARING_CELL_M, 1, |draw, size| (draw < 0.5 * rare).then_some(11.0 + 26.0 * size * size));
+            self.discs(wide, CLEARING_CELL_M, 1, |draw, size| (draw < 0.5 * rare).then_some(11.0 + 26.0 * size * size));
         gaps.min(clearings)
     }
 
