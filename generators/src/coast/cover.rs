@@ -180,7 +180,7 @@ fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
         if turf > 0.0 { relief.scrub(p) } else { 0.0 },
         worn,
         line.max(0.7 * old_line) * sandy,
-        0.5 + 0.5 * fractal(p, seeds[5], 24.0, 3, 0.5) + 0.30 * on_berm * sandy * (1.0 - turf),
+        0.5 + 0.5 * fractal(p, seeds[5], 24.0, 3, 0.5) + 0.55 * on_berm * sandy * (1.0 - turf),
         0.5 + 0.5 * fractal(p, seeds[6], 70.0, 3, 0.5),
         0.5 + 0.5 * fractal(p, seeds[7], 4.2, 2, 0.5),
         smoothstep(0.12, 0.5, ragged(8, 30.0) + 0.25 * smoothstep(4.0, 1.0, (s.land_m - 2.0).abs())),

@@ -22,7 +22,7 @@ fn palette(hinterland: Hinterland, rng: &mut Rng) -> Palette {
     // Pale shell sand, tan quartz, grey grains of slate and lava; from chalk and limestone to slate.
     let sands = [
         Bands::new(0.272, 0.322, 0.348, 0.42),
-        Bands::new(0.176, 0.242, 0.292, 0.37),
+        Bands::new(0.190, 0.246, 0.284, 0.36),
         Bands::new(0.172, 0.196, 0.212, 0.27),
     ];
     let rocks = [
@@ -159,11 +159,11 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         amount: product(vec![
             raster(channel::LACE),
             Field::Sum(vec![
-                Field::Constant(0.16),
+                Field::Constant(0.20),
                 raster(channel::LACE).times(0.30),
-                cells("cells", 2.3, 0.45).times(0.34),
-                cells("fine cells", 0.95, 0.25).times(0.24),
-                noise("torn", 6.0, 5, 0.75).times(0.55),
+                cells("cells", 2.3, 0.45).times(0.22),
+                cells("fine cells", 0.95, 0.25).times(0.20),
+                noise("torn", 5.0, 5, 0.8).times(0.80),
             ])
             .ramp(0.0, 0.9),
         ]),
@@ -198,8 +198,8 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
     let marram = Bands::new(0.056, 0.086, 0.076, 0.25);
     let grown = || {
         Field::Sum(vec![
-            Field::Max(vec![raster(channel::MARRAM), raster(channel::TURF)]),
-            noise("tufts", 1.3, 3, 0.85).times(0.75),
+            Field::Max(vec![raster(channel::MARRAM), raster(channel::TURF)]).times(1.2),
+            noise("tufts", 1.3, 3, 0.85).times(0.65),
         ])
         .ramp(0.34, 0.78)
     };

@@ -184,7 +184,7 @@ fn tuft(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
 fn bush(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Placed> {
     let seed = path.hash_u32();
     let (draw, corner) = (cell.draw(seed), cell.point(0.5, 0.5));
-    if draw > 0.55 * plants {
+    if draw > 0.8 * plants {
         return None;
     }
     let s = relief.surface(corner);
@@ -199,7 +199,7 @@ fn bush(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
     }
     // Heath itself is colour; few bushes stand in it.
     let (mass, full) = (relief.scrub(corner), if relief.hinterland() == Hinterland::Heath { 0.3 } else { 1.0 });
-    let share = 0.55 * plants * (0.012 + 0.988 * mass * full) * smoothstep(0.0, 30.0, d);
+    let share = 0.8 * plants * (0.008 + 0.992 * mass * full) * smoothstep(0.0, 30.0, d);
     if draw > share * (1.0 - relief.track(corner, &s.place)) {
         return None;
     }

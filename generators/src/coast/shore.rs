@@ -124,12 +124,15 @@ pub(super) fn blurred(mut values: Raster<f32>, half: usize) -> Raster<f32> {
 
 impl Shore {
     pub(super) fn new(variant: Variant, path: &SeedPath) -> Self {
-        let mut rng = path.child("front").rng();
+        let mut rng = match variant {
+            Variant::Beach => path.child("front").rng(),
+            Variant::Cliff => path.rng(),
+        };
         let (s, c) = libm::sincos(rng.range(0.0, core::f64::consts::TAU));
         let out = DVec2::new(c, s);
         let seed = |name: &str| path.child(name).hash_u32();
         let (bays, bends, coves) = (seed("bays"), seed("bends"), seed("coves"));
-        let bow = Bow::drawn(&mut rng);
+        let bow = Bow::drawn(&mut path.child("bow").rng());
         // Above 0 at sea.
         let level = |p: DVec2| {
             p.dot(out)
@@ -149,9 +152,14 @@ impl Shore {
         let mut sea = filled(level);
         // Below cliffs the sea takes what the noise calls land: platforms, inlets, the cliffs' feet.
         let washed = if variant == Variant::Cliff { 0.06 } else { 0.0 };
-        let cut = quantile(&sea, rng.range(0.40, 0.58) + washed);
-        for v in &mut sea.data {
-            *v -= cut;
+        let share = rng.range(0.40, 0.58) + washed;
+        // What the filled lakes took from the sea, a second cut gives back to it.
+        for _ in 0..2 {
+            let cut = quantile(&sea, share);
+            for v in &mut sea.data {
+                *v -= cut;
+            }
+            fill_lakes(&mut sea);
         }
         let lines: Vec<Vec<DVec2>> =
             contours(&sea).iter().filter(|l| length(l) > 90.0).map(|l| smoothed(&resampled(l, 3.5))).collect();
@@ -220,6 +228,34 @@ fn quantile(values: &Raster<f32>, share: f64) -> f32 {
         .collect();
     inside.sort_by(f32::total_cmp);
     inside[(inside.len() as f64 * share) as usize]
+}
+
+/// Turns what lies above 0 and does not reach the rim, which is a lake and no sea, into land as high as it was deep.
+fn fill_lakes(sea: &mut Raster<f32>) {
+    let (w, h) = (sea.width, sea.height);
+    let mut reached = vec![false; w * h];
+    let mut open: Vec<usize> = (0..w * h)
+        .filter(|k| k % w == 0 || k % w == w - 1 || k / w == 0 || k / w == h - 1)
+        .filter(|k| sea.data[*k] > 0.0)
+        .collect();
+    while let Some(post) = open.pop() {
+        if core::mem::replace(&mut reached[post], true) {
+            continue;
+        }
+        let (i, j) = (post % w, post / w);
+        let beside = [
+            (i > 0).then(|| post - 1),
+            (i + 1 < w).then(|| post + 1),
+            (j > 0).then(|| post - w),
+            (j + 1 < h).then(|| post + w),
+        ];
+        open.extend(beside.into_iter().flatten().filter(|next| sea.data[*next] > 0.0 && !reached[*next]));
+    }
+    for (value, reached) in sea.data.iter_mut().zip(&reached) {
+        if *value > 0.0 && !reached {
+            *value = -*value;
+        }
+    }
 }
 
 fn length(line: &[DVec2]) -> f64 {

@@ -57,7 +57,7 @@ impl Relief {
         let field = smoothstep(1.5 * belt + 16.0, 0.75 * belt + 6.0, d);
         let hollow = self.blowout(p) * smoothstep(1.0, 12.0, d);
         let mut dune = f.dune_m * up * (ridge * uneven + rough * (hummocks + fine));
-        dune *= 1.0 - 0.65 * hollow;
+        dune *= 1.0 - 0.5 * hollow;
         // Paths to the beach lie lower.
         dune *= 1.0 - 0.55 * self.path(p, place).1;
         let plain = 0.6
@@ -72,8 +72,8 @@ impl Relief {
     /// How much the wind has blown a place of the dunes out, 0 to 1: troughs about three times as long as wide, downwind.
     pub(in super::super) fn blowout(&self, p: DVec2) -> f64 {
         let q = DVec2::new(p.dot(self.wind) / 3.2, p.dot(self.wind.perp()));
-        let least = 0.46 - 0.55 * self.form.bare;
-        smoothstep(least, least + 0.22, fractal(q, self.seeds.blowouts, 20.0, 3, 0.5))
+        let least = 0.42 - 0.55 * self.form.bare;
+        smoothstep(least, least + 0.30, fractal(q, self.seeds.blowouts, 24.0, 4, 0.55))
     }
 
     /// Width of the belt of dunes, m, and how bare it is, 0 to 1.

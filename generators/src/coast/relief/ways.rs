@@ -86,7 +86,7 @@ impl Relief {
 
     /// Trails of sheep over the land behind: they keep to one distance from the shore for a while, part and meet.
     fn trail(&self, p: DVec2, place: &Place) -> f64 {
-        let begins_m = if self.cliffs { 16.0 + 0.4 * self.land_height_m } else { self.form.toe_m + self.form.belt_m };
+        let begins_m = if self.cliffs { 14.0 + 0.4 * self.land_height_m } else { self.form.track_m + 25.0 };
         if place.inland_m < begins_m {
             return 0.0;
         }
@@ -103,6 +103,6 @@ impl Relief {
         }
         let beside = |side: DVec2| (turns(p + side, self.shore.at(p + side).inland_m) - here) / 0.5;
         let steep = DVec2::new(beside(DVec2::X * 0.5), beside(DVec2::Y * 0.5)).length();
-        kept * strand(off / steep.max(0.004), 0.35)
+        0.86 * kept * strand(off / steep.max(0.004), 0.35)
     }
 }
