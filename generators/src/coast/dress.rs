@@ -1,189 +1,29 @@
 //! Materials of the coast: water by its depth, foam, sand dry and wet, marram and turf, rock.
 
-use super::relief::{Relief, Surface};
-use crate::kit::terrain::noise::fractal;
-use crate::kit::terrain::sampling::smoothstep;
-use glam::DVec2;
-use rayon::prelude::*;
-use satseed_scene::{
-    Bands, Beds, Brdf, Class, Coordinate, Field, Fractal, Layer, Material, MaterialRaster, Raster, Rng, SeedPath, Space,
-};
+use super::cover::{COVER, channel};
+use super::relief::{Hinterland, Relief};
+use satseed_scene::{Bands, Beds, Brdf, Class, Coordinate, Field, Fractal, Layer, Material, Rng, SeedPath, Space};
 
-/// Slots of the terrain's material set.
-pub(super) mod slot {
-    /// The sea.
-    pub(in super::super) const WATER: u16 = 0;
-    /// Beach and bare dunes.
-    pub(in super::super) const SAND: u16 = 1;
-    /// Marram, turf and heath.
-    pub(in super::super) const TURF: u16 = 2;
-    /// Rock.
-    pub(in super::super) const ROCK: u16 = 3;
-}
-
-/// The only raster.
-const COVER: u32 = 0;
-
-/// Channels of the cover.
-mod channel {
-    /// Depth of the water: 0 on the surface to 1 at [`super::DEEP_M`], as its square root.
-    pub(super) const DEPTH: u8 = 0;
-    /// Fresh foam.
-    pub(super) const FOAM: u8 = 1;
-    /// Old foam, in strands.
-    pub(super) const LACE: u8 = 2;
-    /// Wet sand and rock.
-    pub(super) const WET: u8 = 3;
-    /// Weed and rock on the bottom.
-    pub(super) const WEED: u8 = 4;
-    /// Stirred sand in the water, around one half.
-    pub(super) const TURBID: u8 = 5;
-    /// Plants that cover the sand.
-    pub(super) const MARRAM: u8 = 6;
-    /// Turf.
-    pub(super) const TURF: u8 = 7;
-    /// Heath and scrub among the turf.
-    pub(super) const HEATH: u8 = 8;
-    /// Trodden paths and the track.
-    pub(super) const WORN: u8 = 9;
-    /// What the tide left.
-    pub(super) const WRACK: u8 = 10;
-    /// Patches of brightness around one half.
-    pub(super) const TONE: u8 = 11;
-    /// Patches of hue around one half.
-    pub(super) const HUE: u8 = 12;
-    /// Stains of a few metres around one half.
-    pub(super) const STAIN: u8 = 13;
-    /// Sand rather than rock.
-    pub(super) const SANDY: u8 = 15;
-    /// Shells and pebbles.
-    pub(super) const SHINGLE: u8 = 14;
-}
-
-/// Distance of the raster's posts, m.
-const CELL_M: f64 = 1.0;
 /// Deeper water looks like this deep, m.
 const DEEP_M: f64 = 14.0;
-
-type Post = [u8; MaterialRaster::CHANNELS];
-
-/// Names of the cover's noises.
-pub(super) const NOISES: [&str; 12] =
-    ["weed", "turbid", "marram", "turf", "heath", "tone", "hue", "stain", "shingle", "wrack", "wet", "clumps"];
-
-/// The slot of dry ground whose unit normal rises by `up`.
-pub(super) fn slot_of(relief: &Relief, p: DVec2, s: &Surface, up: f64) -> u16 {
-    let [marram, turf] = plants(relief, p, s, &relief.cover_seeds);
-    if relief.is_rock(s, up) {
-        slot::ROCK
-    } else if marram.max(turf) > 0.5 {
-        slot::TURF
-    } else {
-        slot::SAND
-    }
-}
-
-/// How much marram and how much turf cover a place, 0 to 1.
-pub(super) fn plants(relief: &Relief, p: DVec2, s: &Surface, seeds: &[u32; NOISES.len()]) -> [f64; 2] {
-    let (z_m, inland_m, sandy) = (s.land_m, s.place.inland_m, s.place.sandy);
-    let ragged = |k: usize, wavelength_m: f64| fractal(p, seeds[k], wavelength_m, 4, 0.65);
-    if relief.cliffs {
-        let beach = smoothstep(0.2, 0.8, sandy);
-        let begin = 7.0 + 26.0 * beach;
-        return [0.0, smoothstep(begin, begin + 5.0, inland_m + 6.0 * ragged(3, 16.0)) * smoothstep(1.6, 3.0, z_m)];
-    }
-    let toe = relief.dune_toe_m();
-    let on = inland_m - toe + 9.0 * ragged(11, 24.0);
-    let marram = smoothstep(1.0, 9.0, on) * smoothstep(-0.22, 0.12, ragged(2, 13.0) + 0.004 * on);
-    let turf =
-        smoothstep(34.0, 95.0, on + 30.0 * ragged(3, 60.0)) * smoothstep(-0.30, -0.02, ragged(3, 21.0) + 0.0016 * on);
-    [marram, turf]
-}
-
-/// The raster that all materials read, over the whole scene.
-pub(super) fn cover(relief: &Relief, half_m: f64) -> MaterialRaster {
-    let n = (2.0 * half_m / CELL_M) as usize + 1;
-    let shape = Raster::filled(DVec2::splat(-half_m), CELL_M, n, n, ());
-    let rows: Vec<Vec<Post>> = (0..n)
-        .into_par_iter()
-        .map(|j| (0..n).map(|i| bake(relief, &relief.cover_seeds, shape.position(i, j))).collect())
-        .collect();
-    MaterialRaster::new(Raster { origin_m: shape.origin_m, cell_m: CELL_M, width: n, height: n, data: rows.concat() })
-}
-
-fn bake(relief: &Relief, seeds: &[u32; NOISES.len()], p: DVec2) -> Post {
-    let s = relief.surface(p);
-    let place = &s.place;
-    let ragged = |k: usize, wavelength_m: f64| fractal(p, seeds[k], wavelength_m, 4, 0.65);
-    let depth = (s.water_m - s.land_m).max(0.0);
-    // Colour follows the mean depth: the swell's crests are no deeper than its troughs to the light that comes back.
-    let still = (-s.land_m).max(depth.min(0.3));
-    let [fresh, loose] = relief.foam(p, &s);
-    let sandy = if relief.cliffs { smoothstep(0.2, 0.8, place.sandy) } else { 1.0 };
-    let runup = relief.runup_m(p, place);
-    let wet_to = runup + 0.30 + 0.25 * ragged(10, 30.0);
-    let wet =
-        smoothstep(wet_to + 0.10, wet_to - 0.04, s.land_m).max(0.75 * smoothstep(wet_to + 0.75, wet_to, s.land_m));
-    // The edge of the last film of water: a thin line of foam, which lasts in places.
-    let mut edge = smoothstep(0.10, 0.015, (s.land_m - runup).abs()) * sandy * f64::from(depth == 0.0);
-    if edge > 0.0 {
-        edge *= smoothstep(-0.30, 0.25, ragged(10, 24.0));
-    }
-    let [marram, turf] = plants(relief, p, &s, seeds);
-    let rocky_bottom = smoothstep(
-        0.1,
-        0.45,
-        fractal(p, seeds[0], 90.0, 4, 0.6)
-            + 0.1 * ragged(0, 9.0)
-            + if relief.cliffs { 0.45 * (1.0 - sandy) } else { -0.18 },
-    );
-    let [line, old_line] = [wet_to + 0.30, wet_to + 0.95].map(|z| {
-        smoothstep(0.10, 0.02, (s.land_m - z - 0.12 * ragged(9, 14.0)).abs()) * smoothstep(-0.15, 0.25, ragged(9, 5.0))
-    });
-    // Ruts are narrower than the raster's posts stand apart: what shows is the worn band of both.
-    let mut worn = relief.track(p, place);
-    if worn > 0.0 {
-        worn *= 0.72 + 0.35 * ragged(4, 6.0);
-    }
-    let (path, _) = relief.path(p, place);
-    let values = [
-        coded_depth(still),
-        fresh.max(edge),
-        loose,
-        wet * f64::from(s.land_m < 6.0),
-        rocky_bottom,
-        0.5 + 0.5 * fractal(p, seeds[1], 75.0, 4, 0.6) + 0.35 * s.wave.map_or(0.0, |w| w.broken),
-        marram,
-        turf,
-        smoothstep(0.0, 0.3, ragged(4, 42.0) + 0.12 * ragged(4, 7.0)),
-        path.max(worn),
-        line.max(0.7 * old_line) * sandy,
-        0.5 + 0.5 * fractal(p, seeds[5], 24.0, 3, 0.5),
-        0.5 + 0.5 * fractal(p, seeds[6], 70.0, 3, 0.5),
-        0.5 + 0.5 * fractal(p, seeds[7], 4.2, 2, 0.5),
-        smoothstep(0.12, 0.5, ragged(8, 30.0) + 0.25 * smoothstep(4.0, 1.0, (s.land_m - 2.0).abs())),
-        if relief.cliffs { place.sandy } else { 1.0 },
-    ];
-    let mut post = Post::default();
-    for (channel, value) in post.iter_mut().zip(values) {
-        *channel = (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-    }
-    post
-}
 
 /// Colours of one coast.
 struct Palette {
     sand: Bands,
     rock: Bands,
     turf: Bands,
+    straw: Bands,
+    /// How much of the turf is dry.
+    dry: f32,
+    scrub: Bands,
 }
 
-fn palette(rng: &mut Rng) -> Palette {
-    // From shell sand to quartz to dark volcanic grains; from chalk and limestone to slate.
+fn palette(hinterland: Hinterland, rng: &mut Rng) -> Palette {
+    // Pale shell sand, tan quartz, grey grains of slate and lava; from chalk and limestone to slate.
     let sands = [
-        Bands::new(0.262, 0.319, 0.352, 0.42),
-        Bands::new(0.212, 0.272, 0.317, 0.39),
-        Bands::new(0.168, 0.208, 0.238, 0.30),
+        Bands::new(0.272, 0.322, 0.348, 0.42),
+        Bands::new(0.190, 0.246, 0.284, 0.36),
+        Bands::new(0.172, 0.196, 0.212, 0.27),
     ];
     let rocks = [
         Bands::new(0.235, 0.275, 0.300, 0.34),
@@ -194,9 +34,32 @@ fn palette(rng: &mut Rng) -> Palette {
         let k = (t as usize).min(1);
         of[k].lerp(of[k + 1], (t - k as f64) as f32)
     };
-    let sand = between(&sands, rng.range(0.0, 1.8));
+    let kind = rng.below(3) as usize;
+    let sand = sands[kind].lerp(sands[(kind + 1) % 3], rng.range(0.0, 0.3) as f32);
     let rock = between(&rocks, rng.range(0.3, 2.0));
-    Palette { sand, rock, turf: Bands::new(0.040, 0.072, 0.060, 0.30) * rng.range(0.9, 1.15) as f32 }
+    let shade = rng.range(0.9, 1.15) as f32;
+    let (turf, straw, dry, scrub) = match hinterland {
+        Hinterland::Turf => (
+            Bands::new(0.038, 0.071, 0.055, 0.31),
+            Bands::new(0.080, 0.116, 0.106, 0.28),
+            0.12,
+            [0.023, 0.040, 0.031, 0.20],
+        ),
+        Hinterland::Heath => (
+            Bands::new(0.046, 0.070, 0.060, 0.26),
+            Bands::new(0.090, 0.112, 0.108, 0.25),
+            0.20,
+            [0.040, 0.047, 0.050, 0.17],
+        ),
+        Hinterland::Rough => (
+            Bands::new(0.052, 0.084, 0.070, 0.29),
+            Bands::new(0.100, 0.134, 0.128, 0.29),
+            0.42,
+            [0.026, 0.043, 0.034, 0.20],
+        ),
+    };
+    let [blue, green, red, infrared] = scrub;
+    Palette { sand, rock, turf: turf * shade, straw, dry, scrub: Bands::new(blue, green, red, infrared) * shade }
 }
 
 /// Diffuse attenuation of the water, 1/m: clear, coastal, turbid (blue, green, red, near infrared).
@@ -236,7 +99,7 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
     let seed = |name: &str| path.child(name).hash_u32();
     let k = contrast as f32;
     let mut rng = path.child("palette").rng();
-    let colors = palette(&mut rng);
+    let colors = palette(relief.hinterland(), &mut rng);
     let clarity = rng.range(0.0, 1.7);
     // Every colour stands as far from the sand's as the contrast says.
     let apart = |c: Bands| colors.sand.lerp(c, k).map(|v| v.max(0.01));
@@ -255,18 +118,16 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
             })
     };
 
-    // Where a noise is near zero: lines that wind, meet and part.
-    let veins = |name: &str, wavelength_m: f32, width: f32| {
-        let n = || Field::Warped {
-            of: Box::new(noise(name, wavelength_m, 2, 0.6)),
-            seed: seed("curl"),
-            wavelength_m: 0.7 * wavelength_m,
-            amplitude_m: 0.3 * wavelength_m,
-        };
-        product(vec![n().ramp(-width, 0.0), n().ramp(width, 0.0)])
+    // The walls between cells of foam, bent.
+    let cells = |name: &str, cell_m: f32, width_m: f32| Field::Warped {
+        of: Box::new(Field::Cracks { space: Space::Plan, seed: seed(name), cell_m, width_m }),
+        seed: seed("curl"),
+        wavelength_m: 1.6 * cell_m,
+        amplitude_m: 0.35 * cell_m,
     };
     let swell = relief.swell.towards;
     let turned = |of: Fractal| Field::Turned { of: Box::new(Field::Noise(of)), along: [swell.x, swell.y] };
+    let blown = |of: Fractal| Field::Turned { of: Box::new(Field::Noise(of)), along: [relief.wind.x, relief.wind.y] };
     let weed = Bands::new(0.030, 0.040, 0.036, 0.10);
     let water = Material {
         brdf: Brdf::Water { slope_variance: relief.slope_variance() as f32 },
@@ -292,17 +153,19 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
             .times(0.40 * k.min(1.0)),
     })
     .with(Layer::Brightness { amount: raster(channel::TURBID).affine(0.16 * k, -0.08 * k) })
-    // Old foam: veins where two currents of it meet, finer ones between them, flecks.
+    // Old foam: a grey veil, denser in the walls of cells, which widen as it thins.
     .with(Layer::Mix {
-        color: foam * 0.72,
+        color: foam * 0.85,
         amount: product(vec![
-            Field::Sum(vec![raster(channel::LACE), noise("torn", 7.0, 4, 0.75).times(0.9)]).ramp(0.05, 0.85),
-            raster(channel::LACE).ramp(0.02, 0.25),
-            Field::Max(vec![
-                veins("veins", 5.5, 0.085),
-                veins("fine veins", 2.6, 0.12).times(0.85),
-                noise("flecks", 1.6, 3, 0.8).ramp(0.12, 0.5).times(0.9),
-            ]),
+            raster(channel::LACE),
+            Field::Sum(vec![
+                Field::Constant(0.20),
+                raster(channel::LACE).times(0.30),
+                cells("cells", 2.3, 0.45).times(0.22),
+                cells("fine cells", 0.95, 0.25).times(0.20),
+                noise("torn", 5.0, 5, 0.8).times(0.80),
+            ])
+            .ramp(0.0, 0.9),
         ]),
     })
     .with(Layer::Mix {
@@ -320,12 +183,26 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
                 .times(0.15 * k),
             turned(Fractal::new(Space::Plan, seed("slicks"), 46.0, 4).gain(0.6).stretched([2.6, 1.0, 1.0]))
                 .times(0.13 * k),
+            // The wind's waves across it, and streaks along it.
+            blown(Fractal::new(Space::Plan, seed("waves"), 5.2, 3).gain(0.6).stretched([1.0, 3.2, 1.0]))
+                .times(0.17 * k),
+            blown(Fractal::new(Space::Plan, seed("rows"), 11.0, 2).gain(0.7).stretched([9.0, 1.0, 1.0]))
+                .times(0.09 * k),
         ]),
     })
     .bumpy(turned(Fractal::new(Space::Plan, seed("ripples"), 1.3, 3).gain(0.7).stretched([1.0, 2.2, 1.0])), 0.030);
 
     // Sand and rock meet in a ragged line, whatever triangles say.
     let sandy = || Field::Sum(vec![raster(channel::SANDY), noise("border", 9.0, 5, 0.7).times(0.3)]).ramp(0.44, 0.56);
+    // Tufts close as marram grows denser; the same on both sides of a border of slots.
+    let marram = Bands::new(0.056, 0.086, 0.076, 0.25);
+    let grown = || {
+        Field::Sum(vec![
+            Field::Max(vec![raster(channel::MARRAM), raster(channel::TURF)]).times(1.2),
+            noise("tufts", 1.3, 3, 0.85).times(0.65),
+        ])
+        .ramp(0.34, 0.78)
+    };
     let sand = three_scales(Material::diffuse("sand", Class::Sand, colors.sand).rough(0.35), 0.7)
         .with(Layer::Mix { color: apart(colors.rock), amount: sandy().affine(-1.0, 1.0) })
         .with(Layer::Mix {
@@ -338,14 +215,19 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         })
         .with(Layer::Mix {
             color: apart(Bands::new(0.055, 0.062, 0.062, 0.11)),
-            amount: product(vec![raster(channel::WRACK), noise("wrack", 1.1, 3, 0.9).ramp(-0.15, 0.25)]).times(0.8),
+            amount: product(vec![raster(channel::WRACK), noise("wrack", 1.1, 3, 0.9).ramp(-0.45, 0.15)]).times(0.72),
         })
         // Water between grains takes half of the light (Lekner and Dorf 1988).
         .with(Layer::Brightness { amount: raster(channel::WET).times(-0.46) })
-        .with(Layer::Mix {
-            color: apart(Bands::new(0.060, 0.086, 0.080, 0.24)),
-            amount: product(vec![raster(channel::MARRAM), noise("tufts", 1.7, 3, 0.8).ramp(-0.35, 0.35)]).times(0.72),
+        // Ways over sand: churned and damp.
+        .with(Layer::Brightness {
+            amount: product(vec![
+                raster(channel::WORN).ramp(0.32, 0.66),
+                Field::Sum(vec![Field::Constant(-0.13), noise("churned", 0.9, 2, 0.8).times(0.3)]),
+            ])
+            .times(k),
         })
+        .with(Layer::Mix { color: apart(marram), amount: grown().times(0.9) })
         .with(Layer::Mix {
             color: foam,
             amount: Field::Sum(vec![
@@ -357,41 +239,60 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         })
         .bumpy(noise("hummocks", 1.5, 2, 0.8), 0.05 * k);
 
-    let straw = Bands::new(0.085, 0.118, 0.120, 0.27);
-    let heath = Bands::new(0.036, 0.052, 0.050, 0.20);
-    let turf = three_scales(Material::diffuse("turf", Class::LowVegetation, apart(colors.turf)).rough(0.4), 1.0)
+    let base = if relief.cliffs { colors.turf } else { colors.turf.lerp(marram, 0.25) };
+    let turf = three_scales(Material::diffuse("turf", Class::LowVegetation, apart(base)).rough(0.4), 0.8)
+        // Dry grass: on slopes and knolls rather than in hollows.
         .with(Layer::Mix {
-            color: apart(straw),
-            amount: Field::Sum(vec![noise("dry", 12.0, 4, 0.6).affine(0.9, 0.30), raster(channel::MARRAM).times(0.35)]),
+            color: apart(colors.straw),
+            amount: Field::Sum(vec![
+                Field::Constant(colors.dry),
+                noise("dry", 34.0, 5, 0.7).times(0.75),
+                Field::Upward.ramp(0.985, 0.90).times(0.35),
+                raster(channel::WET).times(-0.5),
+                product(vec![raster(channel::MARRAM), raster(channel::TURF).affine(-1.0, 1.0)]).times(0.30),
+            ]),
+        })
+        // Wet ground is darker and greener.
+        .with(Layer::Mix {
+            color: apart(Bands::new(0.026, 0.054, 0.036, 0.27)),
+            amount: Field::Sum(vec![raster(channel::WET), noise("rushes", 4.0, 4, 0.8).times(0.5)])
+                .ramp(0.25, 1.1)
+                .times(0.75),
+        })
+        // Tussocks, where grass is not grazed short, and the shadows between them.
+        .with(Layer::Mix {
+            color: apart(colors.straw * 1.12),
+            amount: product(vec![
+                noise("grazed", 19.0, 3, 0.6).ramp(-0.15, 0.30),
+                noise("tussocks", 0.85, 2, 0.8).ramp(0.04, 0.40),
+            ])
+            .times(0.55),
         })
         .with(Layer::Mix {
-            color: apart(heath),
+            color: apart(colors.scrub),
             amount: product(vec![
-                raster(channel::HEATH),
-                raster(channel::TURF),
-                noise("bushes", 2.6, 4, 0.75).ramp(-0.25, 0.2),
+                Field::Sum(vec![raster(channel::HEATH), noise("bushes", 2.8, 4, 0.75).times(0.8)]).ramp(0.30, 0.72),
+                raster(channel::TURF).ramp(0.1, 0.6),
             ])
-            .times(0.85),
+            .times(0.9),
+        })
+        // Crowns and heather within the masses.
+        .with(Layer::Brightness {
+            amount: product(vec![raster(channel::HEATH), noise("crowns", 2.1, 3, 0.8)]).times(0.55 * k),
         })
         // Bare sand shows where plants thin out.
         .with(Layer::Mix {
             color: colors.sand,
-            amount: Field::Sum(vec![
-                Field::Constant(1.0),
-                raster(channel::MARRAM).times(-1.0),
-                raster(channel::TURF).times(-1.0),
-                noise("thin", 1.9, 3, 0.8).times(0.3),
-            ])
-            .ramp(0.1, 0.6),
+            amount: if relief.cliffs { Field::Constant(0.0) } else { grown().affine(-1.0, 1.0) },
         })
         .with(Layer::Mix {
             color: apart(if relief.cliffs { Bands::new(0.110, 0.138, 0.158, 0.22) } else { colors.sand }),
-            amount: Field::Sum(vec![raster(channel::WORN), noise("trodden", 1.3, 2, 0.7).times(0.35)])
-                .ramp(0.25, 0.7)
-                .times(0.85),
+            amount: Field::Sum(vec![raster(channel::WORN), noise("trodden", 1.3, 2, 0.7).times(0.22)])
+                .ramp(0.38, 0.66)
+                .times(0.82),
         })
-        .with(Layer::Brightness { amount: noise("blades", 1.2, 3, 0.95).times(0.28 * k) })
-        .bumpy(noise("tussocks", 1.6, 2, 0.8), 0.10 * k);
+        .with(Layer::Brightness { amount: noise("blades", 0.9, 2, 0.9).times(0.26 * k) })
+        .bumpy(noise("tussocks", 0.85, 2, 0.8), 0.075 * k);
 
     let lichen = Bands::new(0.150, 0.178, 0.150, 0.26);
     let rock = three_scales(Material::diffuse("rock", Class::Rock, apart(colors.rock)).rough(0.4), 1.0)

@@ -1,6 +1,7 @@
 //! Coast: a beach with dunes or a cliff with coves, and the sea before it.
 
 mod chop;
+mod cover;
 mod dress;
 mod notch;
 mod relief;
@@ -11,7 +12,7 @@ mod swell;
 use crate::kit::terrain::tiling::{Tiling, normal_of_slope, place_terrain};
 use crate::kit::terrain::tin::{Grain, Ground, TileMesh, triangulate};
 use crate::{ParameterError, check_range};
-use dress::slot;
+use cover::slot;
 pub(crate) use dress::{coded_depth, over_depth};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -124,7 +125,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
     let mut scene = Scene {
         material_sets: vec![(0..materials.len() as u32).collect()],
         materials,
-        rasters: vec![dress::cover(&relief, scene_half_m)],
+        rasters: vec![cover::cover(&relief, scene_half_m)],
         objects: vec![Object { path: "terrain".to_owned(), class: Class::Ground }],
         pivot_height_m: relief.height_m(DVec2::ZERO),
         full_detail_radius_m: params.radius_m,
@@ -179,7 +180,7 @@ fn dressed(tile: &TileMesh, mut slabs: Mesh, relief: &Relief) -> Mesh {
 
 fn land_slot(relief: &Relief, corners: [DVec3; 3], surface: &relief::Surface) -> u16 {
     let [a, b, c] = corners;
-    dress::slot_of(relief, (a + b + c).truncate() / 3.0, surface, (b - a).cross(c - a).normalize().z)
+    cover::slot_of(relief, (a + b + c).truncate() / 3.0, surface, (b - a).cross(c - a).normalize().z)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What lies and grows on the coast: boulders below cliffs, groynes of blocks, tufts of marram, bushes.
 
-use super::relief::Relief;
+use super::relief::{Hinterland, Relief};
 use crate::kit::rock::block;
 use crate::kit::scatter::{self, Cell, Kind, Placed, add, place, variation};
 use crate::kit::shrub::{planted, shrub};
@@ -166,7 +166,9 @@ fn tuft(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
         return None;
     }
     let s = relief.surface(corner);
-    let share = relief.marram(corner, &s) * smoothstep(170.0, 90.0, s.place.inland_m - relief.dune_toe_m());
+    let (belt_m, _) = relief.belt();
+    let share = relief.marram(corner, &s)
+        * smoothstep(1.5 * belt_m + 50.0, 0.8 * belt_m + 25.0, s.place.inland_m - relief.dune_toe_m(corner));
     let clear = 1.0 - relief.path(corner, &s.place).0.max(relief.track(corner, &s.place));
     if draw > 0.6 * plants * share * clear {
         return None;
@@ -182,24 +184,29 @@ fn tuft(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Pla
 fn bush(relief: &Relief, path: &SeedPath, plants: f64, cell: Cell) -> Option<Placed> {
     let seed = path.hash_u32();
     let (draw, corner) = (cell.draw(seed), cell.point(0.5, 0.5));
-    if draw > 0.55 * plants {
+    if draw > 0.8 * plants {
         return None;
     }
     let s = relief.surface(corner);
-    let d =
-        s.place.inland_m - if relief.cliffs { 24.0 + 0.4 * relief.top_m(corner) } else { relief.dune_toe_m() + 40.0 };
+    let d = s.place.inland_m
+        - if relief.cliffs {
+            24.0 + 0.4 * relief.top_m(corner)
+        } else {
+            relief.dune_toe_m(corner) + 0.8 * relief.belt().0
+        };
     if d < 0.0 {
         return None;
     }
-    let groups = smoothstep(0.12, 0.42, fractal(corner, seed ^ 3, 62.0, 4, 0.6));
-    let share = 0.55 * plants * (0.02 + 0.98 * groups) * smoothstep(0.0, 45.0, d);
+    // Heath itself is colour; few bushes stand in it.
+    let (mass, full) = (relief.scrub(corner), if relief.hinterland() == Hinterland::Heath { 0.3 } else { 1.0 });
+    let share = 0.8 * plants * (0.008 + 0.992 * mass * full) * smoothstep(0.0, 30.0, d);
     if draw > share * (1.0 - relief.track(corner, &s.place)) {
         return None;
     }
     let mut rng = cell.key(path).rng();
     let p = cell.point(rng.unit(), rng.unit());
-    let height = rng.lognormal(1.15, 0.4).clamp(0.5, 3.2);
-    let width = height * rng.range(1.2, 2.2);
+    let height = (rng.lognormal(1.05, 0.4) * (1.0 + 0.35 * mass * full)).clamp(0.5, 3.2);
+    let width = height * rng.range(1.2, 2.4);
     if relief.track(p, &s.place) > 0.0 {
         return None;
     }

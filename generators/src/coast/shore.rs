@@ -6,7 +6,7 @@ use crate::kit::terrain::front::{Source, rise};
 use crate::kit::terrain::noise::{fractal, warp};
 use crate::kit::terrain::sampling::{bicubic, smoothstep};
 use glam::DVec2;
-use satseed_scene::{Raster, SeedPath};
+use satseed_scene::{Raster, Rng, SeedPath};
 
 /// Distance of posts, m.
 const CELL_M: f64 = 4.0;
@@ -36,6 +36,44 @@ pub(super) struct Place {
     pub(super) sandy: f64,
     /// Distance along the shore, m; of use near it alone, since it jumps where two shores are equally near.
     pub(super) along_m: f64,
+}
+
+/// The plan of a beach.
+enum Bow {
+    /// Nearly straight.
+    Straight,
+    /// One bay, or one bulge, as wide as the frame; how deep, m, positive for a bay, and where its middle lies.
+    Bay { deep_m: f64, middle_m: f64 },
+    /// Bays in a row with horns between them.
+    Cuspate { deep_m: f64, apart_m: f64, shift: f64 },
+}
+
+impl Bow {
+    fn drawn(rng: &mut Rng) -> Self {
+        match rng.below(3) {
+            0 => Self::Straight,
+            1 => Self::Bay {
+                deep_m: rng.range(25.0, 70.0) * if rng.chance(0.7) { 1.0 } else { -0.7 },
+                middle_m: rng.signed() * 160.0,
+            },
+            _ => Self::Cuspate { deep_m: rng.range(11.0, 20.0), apart_m: rng.range(170.0, 320.0), shift: rng.unit() },
+        }
+    }
+
+    /// How far the shore lies landward at a place along it, m.
+    fn landward_m(&self, along_m: f64) -> f64 {
+        match *self {
+            Self::Straight => 0.0,
+            Self::Bay { deep_m, middle_m } => {
+                let t = (along_m - middle_m) / 300.0;
+                -deep_m * t * t / (1.0 + 0.25 * t * t)
+            }
+            Self::Cuspate { deep_m, apart_m, shift } => {
+                let s = libm::sin(core::f64::consts::PI * (along_m / apart_m + shift));
+                deep_m * f64::sqrt(s * s + 0.04)
+            }
+        }
+    }
 }
 
 fn grid() -> Raster<()> {
@@ -86,16 +124,25 @@ pub(super) fn blurred(mut values: Raster<f32>, half: usize) -> Raster<f32> {
 
 impl Shore {
     pub(super) fn new(variant: Variant, path: &SeedPath) -> Self {
-        let mut rng = path.rng();
+        let mut rng = match variant {
+            Variant::Beach => path.child("front").rng(),
+            Variant::Cliff => path.rng(),
+        };
         let (s, c) = libm::sincos(rng.range(0.0, core::f64::consts::TAU));
         let out = DVec2::new(c, s);
         let seed = |name: &str| path.child(name).hash_u32();
         let (bays, bends, coves) = (seed("bays"), seed("bends"), seed("coves"));
+        let bow = Bow::drawn(&mut path.child("bow").rng());
         // Above 0 at sea.
         let level = |p: DVec2| {
             p.dot(out)
                 + match variant {
-                    Variant::Beach => 70.0 * fractal(p, bays, 1400.0, 2, 0.5) + 16.0 * fractal(p, bends, 260.0, 3, 0.5),
+                    Variant::Beach => {
+                        let along_m = p.dot(out.perp()) + 60.0 * fractal(p, bays, 480.0, 2, 0.5);
+                        bow.landward_m(along_m)
+                            + 45.0 * fractal(p, bays, 1400.0, 2, 0.5)
+                            + 12.0 * fractal(p, bends, 260.0, 3, 0.45)
+                    }
                     Variant::Cliff => {
                         let q = warp(p, bends, 330.0, 60.0);
                         330.0 * fractal(q, bays, 760.0, 2, 0.5) + 95.0 * fractal(q, coves, 190.0, 5, 0.48)
@@ -105,9 +152,14 @@ impl Shore {
         let mut sea = filled(level);
         // Below cliffs the sea takes what the noise calls land: platforms, inlets, the cliffs' feet.
         let washed = if variant == Variant::Cliff { 0.06 } else { 0.0 };
-        let cut = quantile(&sea, rng.range(0.40, 0.58) + washed);
-        for v in &mut sea.data {
-            *v -= cut;
+        let share = rng.range(0.40, 0.58) + washed;
+        // What the filled lakes took from the sea, a second cut gives back to it.
+        for _ in 0..2 {
+            let cut = quantile(&sea, share);
+            for v in &mut sea.data {
+                *v -= cut;
+            }
+            fill_lakes(&mut sea);
         }
         let lines: Vec<Vec<DVec2>> =
             contours(&sea).iter().filter(|l| length(l) > 90.0).map(|l| smoothed(&resampled(l, 3.5))).collect();
@@ -176,6 +228,34 @@ fn quantile(values: &Raster<f32>, share: f64) -> f32 {
         .collect();
     inside.sort_by(f32::total_cmp);
     inside[(inside.len() as f64 * share) as usize]
+}
+
+/// Turns what lies above 0 and does not reach the rim, which is a lake and no sea, into land as high as it was deep.
+fn fill_lakes(sea: &mut Raster<f32>) {
+    let (w, h) = (sea.width, sea.height);
+    let mut reached = vec![false; w * h];
+    let mut open: Vec<usize> = (0..w * h)
+        .filter(|k| k % w == 0 || k % w == w - 1 || k / w == 0 || k / w == h - 1)
+        .filter(|k| sea.data[*k] > 0.0)
+        .collect();
+    while let Some(post) = open.pop() {
+        if core::mem::replace(&mut reached[post], true) {
+            continue;
+        }
+        let (i, j) = (post % w, post / w);
+        let beside = [
+            (i > 0).then(|| post - 1),
+            (i + 1 < w).then(|| post + 1),
+            (j > 0).then(|| post - w),
+            (j + 1 < h).then(|| post + w),
+        ];
+        open.extend(beside.into_iter().flatten().filter(|next| sea.data[*next] > 0.0 && !reached[*next]));
+    }
+    for (value, reached) in sea.data.iter_mut().zip(&reached) {
+        if *value > 0.0 && !reached {
+            *value = -*value;
+        }
+    }
 }
 
 fn length(line: &[DVec2]) -> f64 {

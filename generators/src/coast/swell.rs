@@ -35,6 +35,12 @@ pub(super) struct Wave {
     pub(super) phase: f64,
     /// 0 unbroken to 1 broken.
     pub(super) broken: f64,
+    /// Height it would have over the height at which it breaks.
+    pub(super) over: f64,
+    /// Height that it has, crest to trough, m.
+    pub(super) height_m: f64,
+    /// Distance to the next crest, m, about.
+    pub(super) length_m: f64,
 }
 
 impl Swell {
@@ -55,7 +61,7 @@ impl Swell {
         let across = self.towards.perp_dot(p);
         let q = DVec2::new(travel_s * 9.0, across * 0.55);
         let jitter = 0.21 * fractal(q, self.jitter, 75.0, 3, 0.55);
-        let group = (0.62 + 1.15 * fractal(q, self.groups, 60.0, 2, 0.5)).clamp(0.12, 1.5);
+        let group = (0.62 + 1.15 * fractal(q, self.groups, 60.0, 3, 0.55)).clamp(0.12, 1.5);
         let turns = travel_s / self.period_s + jitter;
         let phase = turns - libm::floor(turns);
         let depth = depth_m.max(0.05);
@@ -72,7 +78,16 @@ impl Swell {
         let crest = libm::pow(raised, sharp);
         // Its mean over a wave, about.
         let mean = 0.5 / (1.0 + 0.36 * (sharp - 1.0));
-        Wave { rise_m: height_m * (crest - mean), phase, broken }
+        let deep = core::f64::consts::TAU / self.period_s;
+        let speed = f64::sqrt(GRAVITY * depth.max(0.25) / (1.0 + deep * deep * depth / GRAVITY));
+        Wave {
+            rise_m: height_m * (crest - mean),
+            phase,
+            broken,
+            over: shoaled / limit,
+            height_m,
+            length_m: speed * self.period_s,
+        }
     }
 }
 

@@ -42,50 +42,52 @@ impl Relief {
     pub(super) fn sandy_m(&self, p: DVec2, place: &Place) -> f64 {
         let f = &self.form;
         let beach = self.beach_m(p, place);
-        let d = self.inland_m(p, place, 60.0, 7.0) - self.toe_m(p);
+        let d = self.inland_m(p, place, 60.0, 7.0) - self.dune_toe_m(p);
         if d < -6.0 {
             return beach;
         }
         let rough = self.roughness;
         // The foredune: a ridge of uneven height along the beach; behind it hummocks and hollows, then a plain that rises.
-        let up = smoothstep(-4.0, 15.0, d);
-        let ridge = 1.0 - 0.55 * smoothstep(16.0, 60.0, d);
+        let belt = f.belt_m;
+        let up = smoothstep(-4.0, (6.0 + 0.2 * belt).clamp(10.0, 17.0), d);
+        let ridge = 1.0 - 0.55 * smoothstep(0.25 * belt + 6.0, 0.8 * belt + 12.0, d);
         let uneven = 0.78 + 0.55 * fractal(p, self.seeds.dunes, 70.0, 3, 0.5);
         let hummocks = 0.24 * ridged(p, self.seeds.hummocks, 30.0, 3, 0.34);
         let fine = 0.10 * fractal(p, self.seeds.fine ^ 3, 9.0, 4, 0.55);
-        let field = smoothstep(190.0, 110.0, d);
-        let hollow = smoothstep(0.22, 0.42, fractal(p, self.seeds.blowouts, 58.0, 3, 0.5)) * smoothstep(2.0, 16.0, d);
+        let field = smoothstep(1.5 * belt + 16.0, 0.75 * belt + 6.0, d);
+        let hollow = self.blowout(p) * smoothstep(1.0, 12.0, d);
         let mut dune = f.dune_m * up * (ridge * uneven + rough * (hummocks + fine));
-        dune *= 1.0 - 0.75 * hollow;
+        dune *= 1.0 - 0.5 * hollow;
         // Paths to the beach lie lower.
         dune *= 1.0 - 0.55 * self.path(p, place).1;
         let plain = 0.6
             + 0.10 * self.land_height_m * smoothstep(60.0, 420.0, d)
             + 0.16 * self.land_height_m * fractal(p, self.seeds.hills, 340.0, 4, 0.42) * smoothstep(90.0, 330.0, d)
-            + 0.12 * rough * fractal(p, self.seeds.fine ^ 5, 11.0, 3, 0.5) * smoothstep(60.0, 120.0, d);
+            + 0.12 * rough * fractal(p, self.seeds.fine ^ 5, 11.0, 3, 0.5) * smoothstep(60.0, 120.0, d)
+            - 0.5 * rough * self.damp(p) * smoothstep(40.0, 130.0, d - belt);
         let on_land = dune.max(-0.6) * field.max(0.04) + plain.max(-0.8) * smoothstep(0.0, 70.0, d);
         beach + on_land - 0.10 * self.track(p, place)
     }
 
-    fn toe_m(&self, p: DVec2) -> f64 {
-        self.form.toe_m + 16.0 * fractal(p, self.seeds.dunes ^ 9, 150.0, 2, 0.5)
+    /// How much the wind has blown a place of the dunes out, 0 to 1: troughs about three times as long as wide, downwind.
+    pub(in super::super) fn blowout(&self, p: DVec2) -> f64 {
+        let q = DVec2::new(p.dot(self.wind) / 3.2, p.dot(self.wind.perp()));
+        let least = 0.42 - 0.55 * self.form.bare;
+        smoothstep(least, least + 0.30, fractal(q, self.seeds.blowouts, 24.0, 4, 0.55))
     }
 
-    /// How much a path to the beach covers a place and how much it cuts into the dune, 0 to 1.
-    pub(in super::super) fn path(&self, p: DVec2, place: &Place) -> (f64, f64) {
-        let d = place.inland_m;
-        if self.cliffs || d < 0.3 * self.form.toe_m || d > self.form.track_m + 6.0 {
-            return (0.0, 0.0);
-        }
-        let wander = 9.0 * fractal(p, self.seeds.paths, 60.0, 2, 0.5) + 0.12 * d;
-        let t = (place.along_m + wander) / self.form.paths_m;
-        let off = (t - libm::floor(t) - 0.5).abs() * self.form.paths_m;
-        let begins = smoothstep(0.55 * self.form.toe_m, 0.9 * self.form.toe_m, d);
-        (smoothstep(1.5, 0.7, off) * begins, smoothstep(7.0, 0.5, off) * begins)
+    /// Width of the belt of dunes, m, and how bare it is, 0 to 1.
+    pub(in super::super) fn belt(&self) -> (f64, f64) {
+        (self.form.belt_m, self.form.bare)
+    }
+
+    /// Height of the berm, m, and the slope up to it.
+    pub(in super::super) fn berm(&self) -> (f64, f64) {
+        (self.form.berm_m, self.form.foreshore)
     }
 
     /// Where the dunes begin, m inland.
-    pub(in super::super) fn dune_toe_m(&self) -> f64 {
-        self.form.toe_m
+    pub(in super::super) fn dune_toe_m(&self, p: DVec2) -> f64 {
+        self.form.toe_m + (0.22 * self.form.toe_m).min(14.0) * fractal(p, self.seeds.dunes ^ 9, 150.0, 2, 0.5)
     }
 }

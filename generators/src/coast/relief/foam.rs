@@ -20,22 +20,28 @@ impl Relief {
         if depth <= 0.0 {
             return [0.0; 2];
         }
-        let behind = 1.0 - wave.phase;
-        // The crest's roller, its front, and what it leaves behind.
         let streaks = fractal(p, self.seeds.streaks, 5.0, 4, 0.65);
         let patches = fractal(p, self.seeds.patches, 26.0, 4, 0.6);
-        let roller = smoothstep(0.10, 0.03, wave.phase).max(smoothstep(0.10, 0.02, behind));
-        let trail = libm::exp(-behind / 0.20) * (0.75 + 1.3 * streaks);
-        let mut fresh = wave.broken * roller.max(0.9 * trail);
-        let mut loose =
-            wave.broken * (0.25 + 0.55 * libm::exp(-behind / 0.5)) * smoothstep(-0.2, 0.3, patches + 0.3 * streaks);
+        // The roller: as wide as its wave is high over the shallows, and nothing where the crest does not break.
+        let strong = smoothstep(0.92, 1.9, wave.over);
+        let lobes = (0.9 + 1.5 * fractal(p, self.seeds.patches ^ 1, 17.0, 3, 0.6)).clamp(0.25, 1.8);
+        let wide_m = (strong * lobes * (0.5 + 6.0 * wave.height_m)).clamp(0.02, 8.0);
+        let behind_m = (1.0 - wave.phase) * wave.length_m;
+        let ahead_m = wave.phase * wave.length_m;
+        let off = (behind_m / (0.65 * wide_m)).min(ahead_m / (0.35 * wide_m));
+        let mut fresh = smoothstep(1.25, 0.55, off + 0.6 * streaks) * (wide_m / 1.5).min(1.0);
+        // What it leaves fades within 10 to 25 m and tears into cells; some drifts on between the waves.
+        let fades_m = 4.0 + 5.0 * lobes;
+        let left = libm::exp(-behind_m / fades_m).max(libm::exp(-ahead_m / (0.15 * fades_m)));
+        let torn = smoothstep(-0.40, 0.30, patches + 0.45 * streaks);
+        let mut loose = smoothstep(0.75, 1.6, wave.over) * (0.18 + 0.82 * left) * torn;
         // Rock makes foam wherever it breaks the surface.
         let rocky = if self.cliffs { 1.0 - smoothstep(0.2, 0.8, s.place.sandy) } else { 0.0 };
         let washed = smoothstep(0.7, 0.05, depth) * rocky;
         fresh = fresh.max(washed * smoothstep(0.05, 0.45, 0.8 * streaks + 0.9 * patches + 0.12 * self.swell_m));
-        loose = loose.max(smoothstep(3.2, 0.6, depth) * rocky * smoothstep(0.0, 0.4, patches) * 0.9);
+        loose = loose.max(smoothstep(3.2, 0.6, depth) * rocky * smoothstep(-0.1, 0.4, patches) * 0.9);
         // The film that runs up the sand.
-        fresh = fresh.max(smoothstep(0.12, 0.03, depth) * (1.0 - rocky) * smoothstep(-0.1, 0.3, streaks) * 0.8);
+        fresh = fresh.max(smoothstep(0.12, 0.03, depth) * (1.0 - rocky) * smoothstep(-0.1, 0.3, streaks) * 0.6);
         [fresh.clamp(0.0, 1.0), loose.clamp(0.0, 1.0)]
     }
 }

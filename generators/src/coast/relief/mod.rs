@@ -2,17 +2,21 @@
 
 mod beach;
 mod foam;
+mod form;
 mod rock;
+mod ways;
 
 use super::chop::Chop;
 use super::notch::notch;
 use super::shore::{Place, Shore};
 use super::swell::{Swell, Wave};
-use super::{Params, Variant, dress};
-use crate::kit::terrain::noise::fractal;
+use super::{Params, Variant, cover};
+use crate::kit::terrain::noise::{fractal, ridged};
 use crate::kit::terrain::overhang::{Hollow, Slabs};
 use crate::kit::terrain::sampling::smoothstep;
 use crate::kit::terrain::tin::Ground;
+pub(super) use form::Hinterland;
+use form::{Form, Spur, spurs};
 use glam::DVec2;
 use rayon::prelude::*;
 use satseed_scene::{Raster, SeedPath};
@@ -32,37 +36,11 @@ const DEEPEST_M: f64 = 14.0;
 /// How much breaking waves raise the water's mean level, m.
 const SETUP_M: f64 = 0.06;
 
-/// The numbers of one coast.
-struct Form {
-    /// Slope of the foreshore.
-    foreshore: f64,
-    /// Height of the berm, m.
-    berm_m: f64,
-    /// Dean's factor, m^(1/3).
-    dean: f64,
-    /// Distances of the bars from the shore, m, and their heights, m.
-    bars: [[f64; 2]; 2],
-    /// Where the dunes begin, m inland.
-    toe_m: f64,
-    /// Height of the dunes over the back of the beach, m.
-    dune_m: f64,
-    /// Where the track behind the shore runs, m inland.
-    track_m: f64,
-    /// Thickness of the rock's beds, m, and how they dip.
-    bed_m: f64,
-    dip: DVec2,
-    /// Significant height of the wind's waves, m.
-    chop_m: f64,
-    /// Mean square slope of waves too short for mesh and bump: most of the whole (Cox and Munk 1954).
-    slope_variance: f64,
-    /// Distance of paths to the beach, m.
-    paths_m: f64,
-}
-
 struct Seeds {
     edge: u32,
     dunes: u32,
     hummocks: u32,
+    damp: u32,
     blowouts: u32,
     bars: u32,
     rips: u32,
@@ -86,11 +64,14 @@ pub(super) struct Relief {
     pub(super) swell: Swell,
     pub(super) cliffs: bool,
     chop: Chop,
+    /// Direction in which the wind blows.
+    pub(super) wind: DVec2,
+    spurs: Vec<Spur>,
     form: Form,
     seeds: Seeds,
     stacks: SeedPath,
     /// Seeds of what covers the ground, which materials and plants share.
-    pub(super) cover_seeds: [u32; dress::NOISES.len()],
+    pub(super) cover_seeds: [u32; cover::NOISES.len()],
     land_height_m: f64,
     roughness: f64,
     swell_m: f64,
@@ -124,6 +105,7 @@ impl Relief {
             edge: seed("edge"),
             dunes: seed("dunes"),
             hummocks: seed("hummocks"),
+            damp: seed("damp"),
             blowouts: seed("blowouts"),
             bars: seed("bars"),
             rips: seed("rips"),
@@ -141,33 +123,15 @@ impl Relief {
             patches: seed("patches"),
         };
         let mut rng = path.child("form").rng();
-        let (berm_m, foreshore) = (rng.range(1.7, 2.5), rng.range(0.065, 0.105));
-        let toe_m = berm_m / foreshore + rng.range(16.0, 38.0);
-        let (s, c) = libm::sincos(rng.range(0.0, core::f64::consts::TAU));
-        // The wind, m/s, and the young sea that it makes.
-        let wind_m_s = rng.range(4.0, 8.0);
-        let peak_m = 2.0 + 0.85 * wind_m_s;
-        let form = Form {
-            foreshore,
-            berm_m,
-            dean: rng.range(0.09, 0.14),
-            bars: [[rng.range(38.0, 62.0), rng.range(0.4, 0.8)], [rng.range(105.0, 150.0), rng.range(0.8, 1.4)]],
-            toe_m,
-            dune_m: (0.25 * params.relief_m).clamp(1.5, 9.0),
-            track_m: toe_m + rng.range(110.0, 170.0),
-            bed_m: rng.range(1.8, 3.6),
-            dip: DVec2::new(c, s) * rng.range(0.02, 0.16),
-            chop_m: 0.042 * wind_m_s,
-            slope_variance: 0.7 * (0.003 + 0.00512 * wind_m_s),
-            paths_m: rng.range(120.0, 210.0),
-        };
+        let form = Form::drawn(params, cliffs, &mut rng);
         let turned = |d: DVec2, by: f64| {
             let (s, c) = libm::sincos(by);
             d.rotate(DVec2::new(c, s))
         };
-        let towards = turned(-shore.out, rng.signed() * 0.42);
+        // Swell that came far has turned towards the shore already.
+        let towards = turned(-shore.out, rng.signed() * 0.13);
         let wind = turned(towards, rng.signed() * 0.8);
-        let chop = Chop::new(wind, peak_m, &path.child("chop"));
+        let chop = Chop::new(wind, form.peak_m, &path.child("chop"));
         let half_m = window_half_m + MARGIN_M;
         let empty = |n| Raster::filled(DVec2::splat(-half_m), POST_M, n, n, 0.0_f32);
         let mut relief = Self {
@@ -180,10 +144,12 @@ impl Relief {
             shore,
             cliffs,
             chop,
+            wind,
+            spurs: spurs(&path.child("spurs")),
             form,
             seeds,
             stacks: path.child("stacks"),
-            cover_seeds: dress::NOISES.map(|name| path.child("cover").child(name).hash_u32()),
+            cover_seeds: cover::NOISES.map(|name| path.child("cover").child(name).hash_u32()),
             land_height_m: params.relief_m,
             roughness: params.roughness,
             swell_m: params.swell_m,
@@ -265,14 +231,6 @@ impl Relief {
         if self.cliffs { self.rocky_m(p, place) } else { self.sandy_m(p, place) }
     }
 
-    /// The track behind the shore, 0 to 1.
-    pub(super) fn track(&self, p: DVec2, place: &Place) -> f64 {
-        let wander = 16.0 * fractal(p, self.seeds.track, 260.0, 2, 0.5);
-        let at_m = if self.cliffs { 46.0 + 1.1 * self.land_height_m } else { self.form.track_m };
-        let off = (place.inland_m - at_m - wander).abs();
-        smoothstep(2.3, 1.4, off)
-    }
-
     /// Eastward and northward slope of the land or of the water at a place.
     pub(super) fn slope(&self, p: DVec2, water: bool) -> DVec2 {
         let e = 0.3;
@@ -285,13 +243,24 @@ impl Relief {
 
     /// How much marram covers a place, 0 to 1.
     pub(super) fn marram(&self, p: DVec2, s: &Surface) -> f64 {
-        dress::plants(self, p, s, &self.cover_seeds)[0]
+        cover::plants(self, p, s)[0]
+    }
+
+    /// How wet the land lies, 0 to 1: hollows that branch and drain.
+    pub(super) fn damp(&self, p: DVec2) -> f64 {
+        let line = ridged(p, self.seeds.damp, 150.0, 3, 0.42);
+        smoothstep(0.10, 0.95, line) * smoothstep(-0.30, 0.25, fractal(p, self.seeds.damp ^ 1, 240.0, 2, 0.5))
     }
 
     /// The shore on a line square to the coast, from the sea inland; none where there is only one of both.
     pub(super) fn shore_on(&self, line: DVec2) -> Option<DVec2> {
         let at = |k: i32| line + self.shore.out * (600.0 - 2.0 * f64::from(k));
         (0..600).map(at).find(|p| self.shore.at(*p).inland_m >= 0.0)
+    }
+
+    /// What grows behind the shore.
+    pub(super) fn hinterland(&self) -> Hinterland {
+        self.form.hinterland
     }
 
     /// Mean square slope of waves too short for mesh and bump.

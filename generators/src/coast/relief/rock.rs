@@ -67,7 +67,8 @@ impl Relief {
         let inland = (beyond - wide_m).max(0.0);
         let land = smoothstep(0.0, 30.0, inland)
             * (0.12 * self.land_height_m * fractal(p, self.seeds.rolling, 190.0, 4, 0.45)
-                + 0.16 * rough * fractal(p, self.seeds.fine ^ 5, 9.0, 4, 0.5))
+                + 0.16 * rough * fractal(p, self.seeds.fine ^ 5, 9.0, 4, 0.5)
+                - 0.5 * rough * self.damp(p))
             + 0.035 * inland.min(420.0);
         base.max(0.3 * sandy) + face + land - 0.10 * self.track(p, place)
     }
@@ -107,19 +108,24 @@ impl Relief {
         }
         let mut rng = cell.key(&self.stacks).rng();
         let at = cell.point(rng.range(0.25, 0.75), rng.range(0.25, 0.75));
-        let (radius, share) = (rng.range(2.5, 9.5), rng.range(0.1, 0.8));
-        let apart = p.distance(at);
-        if apart > radius + 16.0 {
+        // Sizes differ five times; the beds' strike draws them out, and the tops dip as the beds do.
+        let (radius, share) = (1.9 * libm::pow(5.0, rng.unit()), rng.range(0.1, 0.8));
+        let long = rng.range(1.15, 1.75);
+        let turn = 0.5 * rng.signed();
+        if p.distance(at) > long * radius + 16.0 {
             return -1e3;
         }
+        let dips = (self.form.dip.normalize() + self.form.dip.perp().normalize() * turn).normalize();
+        let [across, strike] = [(p - at).dot(dips), (p - at).dot(dips.perp())];
+        let apart = DVec2::new(across * long, strike / long).length();
         let place = self.shore.at(at);
-        if place.inland_m > -radius - 7.0 || place.inland_m < -75.0 || place.sandy > 0.35 {
+        if place.inland_m > -long * radius - 6.0 || place.inland_m < -75.0 || place.sandy > 0.35 {
             return -1e3;
         }
         let top = 1.0 + share * share * self.top_m(at);
         let (block, _) = blocks(p, self.seeds.joints, 3.7);
         let r = apart + self.roughness.max(0.3) * (3.0 * fractal(p, self.seeds.face ^ 2, 14.0, 4, 0.6) + 0.7 * block);
-        let z = top - 0.18 * r - 3.2 * (r - 0.72 * radius).max(0.0);
+        let z = top - 0.26 * r - 3.2 * (r - 0.66 * radius).max(0.0) - 0.30 * across.clamp(-radius, radius);
         let bed = (z + p.dot(self.form.dip)) / self.form.bed_m;
         let stepped =
             (libm::floor(bed) + smoothstep(0.5, 0.95, bed - libm::floor(bed))) * self.form.bed_m - p.dot(self.form.dip);
