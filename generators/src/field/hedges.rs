@@ -163,12 +163,12 @@ fn along(relief: &Relief, index: u32, factor: f64, path: &SeedPath) -> (Vec<Plac
     while tree_m > 0.0 && s < length - 4.0 {
         let mut rng = path.child("tree").index(k).rng();
         // Some stand close together, others far apart.
-        let step_m = tree_m * (0.22 - 0.85 * libm::log(1.0 - 0.97 * rng.unit()));
+        let step_m = tree_m * (0.3 - 0.92 * libm::log(1.0 - 0.97 * rng.unit()));
         let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
         let q = a + along * s + along.perp() * (away_m * side + 0.3 * rng.signed());
         let p = plan.warp.world(q);
         if relief.is_detailed(p) && plan.is_clear(q, Some(index), 0.5) && (s - gate).abs() > 4.0 {
-            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.9, 1.75], &mut rng, format!("tree/{index}/{k}")));
+            trees.push(a_tree(relief, p, &[0.5, 0.22, 0.2, 0.08], [0.75, 1.5], &mut rng, format!("tree/{index}/{k}")));
         }
         k += 1;
         s += step_m;
