@@ -46,7 +46,7 @@ fn on_mound(relief: &Relief, mound: &Mound, path: &SeedPath) -> Vec<Placed> {
             let out = if count == 1 { 0.1 } else { rng.range(0.15, 0.75) } * mound.radius_m;
             let p = mound.at_m + DVec2::new(c, s) * out;
             let height = (mound.height_m * rng.range(0.8, 1.5)).clamp(0.35, 1.5);
-            let width = height * rng.range(1.0, 1.6);
+            let width = height * rng.range(1.3, 2.1);
             let name = format!("shrub/{}_{}/{k}", mound.cell.0, mound.cell.1);
             planted(relief, p, [width, height], VARIANTS, &mut rng, name)
         })
@@ -71,7 +71,7 @@ fn tuft(relief: &Relief, path: &SeedPath, shrubs: f64, cell: Cell) -> Option<Pla
     let mut rng = cell.key(&path).rng();
     let p = cell.point(rng.unit(), rng.unit());
     let height = rng.lognormal(0.38, 0.3).clamp(0.2, 0.9);
-    let width = height * rng.range(1.1, 1.9);
+    let width = height * rng.range(1.4, 2.4);
     Some(planted(relief, p, [width, height], VARIANTS, &mut rng, cell.name("tuft")))
 }
 
@@ -116,16 +116,16 @@ fn stone_material(path: &SeedPath) -> Material {
 fn shrub_materials(path: &SeedPath) -> Vec<Material> {
     let seed = path.child("material").hash_u32();
     let leaf = Material {
-        brdf: Brdf::Leaf { transmission: Bands::new(0.012, 0.03, 0.02, 0.14) },
-        ..Material::diffuse("shrub leaves", Class::LowVegetation, Bands::new(0.060, 0.085, 0.080, 0.22))
+        brdf: Brdf::Leaf { transmission: Bands::new(0.025, 0.045, 0.04, 0.14) },
+        ..Material::diffuse("shrub leaves", Class::LowVegetation, Bands::new(0.098, 0.145, 0.145, 0.27))
             // Half of them are grey and leafless at any time of the year.
             .with(Layer::Mix {
-                color: Bands::new(0.10, 0.125, 0.145, 0.22),
+                color: Bands::new(0.135, 0.172, 0.200, 0.28),
                 amount: Field::Variation(0).ramp(-0.4, 0.5),
             })
             .with(Layer::Brightness { amount: Field::Variation(1).times(0.22) })
             .with(Layer::Brightness { amount: Field::world_noise(seed, 0.3, 2).times(0.2) })
     };
-    let stem = Material::diffuse("shrub stems", Class::LowVegetation, Bands::new(0.08, 0.09, 0.11, 0.18));
+    let stem = Material::diffuse("shrub stems", Class::LowVegetation, Bands::new(0.11, 0.13, 0.155, 0.22));
     vec![leaf, stem]
 }
