@@ -25,7 +25,7 @@ pub(super) const SAND_FROM_M: f64 = 0.2;
 const COVER: u32 = 0;
 
 /// Factor on the contrast of all that is wider than a few metres.
-const WIDE: f32 = 0.47;
+const WIDE: f32 = 0.36;
 
 /// Channels of the cover.
 mod channel {
@@ -213,7 +213,7 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         m.with(Layer::Mix { color: apart(colors.gravel), amount: bare() })
             .with(Layer::Mix {
                 color: apart(colors.pavement),
-                amount: product(vec![bare(), raster(channel::PAVEMENT)]).times(0.75),
+                amount: product(vec![bare(), raster(channel::PAVEMENT)]).times(0.6),
             })
             .with(Layer::Mix { color: apart(colors.playa), amount: product(vec![bare(), raster(channel::PLAYA)]) })
             .with(Layer::Mix { color: apart(colors.sand * 0.82), amount: raster(channel::MINERAL).times(0.5) })

@@ -19,9 +19,9 @@ use satseed_scene::{Raster, SeedPath};
 const REPOSE: f64 = 0.6494;
 /// The same of the depth below the wind, whose contour is the brink.
 const BRINK_CELLS: f64 = 2.0;
-/// Tangents of the steepest windward side and of the steepest floor: 15 and 14 degrees. A steeper foot would turn from
+/// Tangents of the steepest windward side and of the steepest floor: 12.5 and 14 degrees. A steeper foot would turn from
 /// the sun as if it were stained.
-const BODY_LIMIT: f64 = 0.268;
+const BODY_LIMIT: f64 = 0.222;
 const FLOOR_LIMIT: f64 = 0.25;
 /// Depth below the wind at the brink after smoothing, cells: what a straight brink has there.
 const BRINK_DEPTH: f64 = 0.38 * BRINK_CELLS * 0.4;

@@ -12,6 +12,8 @@ use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Scene, SeedPath,
 
 /// Different meshes of each kind.
 const VARIANTS: usize = 14;
+/// Share of the cells with a tuft where they stand closest.
+const MOST_TUFTS: f64 = 0.75;
 /// Side of the cells in which at most one tuft or stone is placed, m.
 const CELL_M: f64 = 4.0;
 
@@ -58,13 +60,16 @@ fn tuft(relief: &Relief, path: &SeedPath, shrubs: f64, cell: Cell) -> Option<Pla
     let path = path.child("tuft");
     let seed = path.hash_u32();
     let (draw, corner) = (cell.draw(seed), cell.point(0.0, 0.0));
-    if draw > 0.62 * shrubs {
+    if draw > MOST_TUFTS * shrubs {
         return None;
     }
     let groups = smoothstep(-0.1, 0.4, fractal(corner, seed, 85.0, 4, 0.6));
     let sand = relief.dunes.sand(corner);
-    let share =
-        0.62 * shrubs * (0.10 + 0.90 * groups) * smoothstep(1.2, 0.3, sand.thick_m) * smoothstep(0.8, 0.3, sand.lee);
+    let share = MOST_TUFTS
+        * shrubs
+        * (0.14 + 0.86 * groups)
+        * smoothstep(1.2, 0.3, sand.thick_m)
+        * smoothstep(0.8, 0.3, sand.lee);
     if draw > share {
         return None;
     }
@@ -116,11 +121,12 @@ fn stone_material(path: &SeedPath) -> Material {
 fn shrub_materials(path: &SeedPath) -> Vec<Material> {
     let seed = path.child("material").hash_u32();
     let leaf = Material {
+        // Of one leaf: a crown, hollow and shaded by itself, is half as bright.
         brdf: Brdf::Leaf { transmission: Bands::new(0.025, 0.045, 0.04, 0.14) },
-        ..Material::diffuse("shrub leaves", Class::LowVegetation, Bands::new(0.098, 0.145, 0.145, 0.27))
+        ..Material::diffuse("shrub leaves", Class::LowVegetation, Bands::new(0.150, 0.212, 0.215, 0.34))
             // Half of them are grey and leafless at any time of the year.
             .with(Layer::Mix {
-                color: Bands::new(0.135, 0.172, 0.200, 0.28),
+                color: Bands::new(0.180, 0.228, 0.262, 0.35),
                 amount: Field::Variation(0).ramp(-0.4, 0.5),
             })
             .with(Layer::Brightness { amount: Field::Variation(1).times(0.22) })
