@@ -23,6 +23,8 @@ const BRINK_CELLS: f64 = 2.0;
 /// the sun as if it were stained.
 const BODY_LIMIT: f64 = 0.222;
 const FLOOR_LIMIT: f64 = 0.25;
+/// The same of what is guessed of the body beyond a brink: 24 degrees.
+const GUESS_LIMIT: f64 = 0.445;
 /// Depth below the wind at the brink after smoothing, cells: what a straight brink has there.
 const BRINK_DEPTH: f64 = 0.38 * BRINK_CELLS * 0.4;
 /// Further depth over which the body ends and the floor begins, cells: at a brink, and where the lee ends at its sides.
@@ -130,10 +132,12 @@ impl Dunes {
         let mut body = grid.smoothed_where(&height, &windward);
         let mut floor = grid.smoothed_where(&height, &floor);
         // Far from where they are known both are guesses, which may jump: what rests there is never steep.
-        grid.no_steeper(&mut body, (BODY_LIMIT * cell_m) as f32);
+        grid.no_steeper(&mut body, (GUESS_LIMIT * cell_m) as f32, |_| true);
+        // Measured from windward ground alone: what is guessed beyond a brink lies lower, and would plane the brink off.
+        grid.no_steeper(&mut body, (BODY_LIMIT * cell_m) as f32, |p| windward[p] > 0.5);
         // What was cut off ends in edges: windward sides are rounded.
         let body = grid.blurred(&body, 1.0);
-        grid.no_steeper(&mut floor, (FLOOR_LIMIT * cell_m) as f32);
+        grid.no_steeper(&mut floor, (FLOOR_LIMIT * cell_m) as f32, |_| true);
         let depth = grid.blurred(&depth, BRINK_CELLS);
         let thick = grid.blurred(&height, 2.0);
         let end: Vec<f32> = (0..n * n)

@@ -57,8 +57,8 @@ impl Grid {
         out
     }
 
-    /// Lowers what rises by more than `step` a cell from any of the eight neighbours.
-    pub(super) fn no_steeper(&self, z: &mut [f32], step: f32) {
+    /// Lowers what rises by more than `step` a cell from any of the eight neighbours that count.
+    pub(super) fn no_steeper(&self, z: &mut [f32], step: f32, counts: impl Fn(usize) -> bool) {
         let n = self.n;
         let diagonal = step * core::f32::consts::SQRT_2;
         // Sweeps in both directions, each with the neighbours that it has just passed; the edges repeat.
@@ -72,10 +72,11 @@ impl Grid {
                 } else {
                     ((j + 1) % n * n, (i + 1) % n, (i + n - 1) % n)
                 };
-                let most = (z[row + i] + step)
-                    .min(z[j * n + column] + step)
-                    .min(z[row + column] + diagonal)
-                    .min(z[row + beside] + diagonal);
+                let above = |q: usize, rise: f32| if counts(q) { z[q] + rise } else { f32::MAX };
+                let most = above(row + i, step)
+                    .min(above(j * n + column, step))
+                    .min(above(row + column, diagonal))
+                    .min(above(row + beside, diagonal));
                 if most < z[p] {
                     z[p] = most;
                     lowered = true;
