@@ -1,6 +1,6 @@
 //! Materials of the desert: dune sand, slip faces, gravel flats, playa, tracks.
 
-use super::relief::Relief;
+use super::relief::{GROUND_M, Relief};
 use super::tracks::{MOST, REACH_M, Tracks};
 use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
@@ -25,7 +25,7 @@ pub(super) const SAND_FROM_M: f64 = 0.2;
 const COVER: u32 = 0;
 
 /// Factor on the contrast of all that is wider than a few metres.
-const WIDE: f32 = 0.47;
+const WIDE: f32 = 0.36;
 
 /// Channels of the cover.
 mod channel {
@@ -45,10 +45,12 @@ mod channel {
     pub(super) const MINERAL: u8 = 6;
     /// Megaripples' coarse grains.
     pub(super) const RIPPLES: u8 = 7;
+    /// Fresh sand of a slip face.
+    pub(super) const FRESH: u8 = 8;
     /// Whether a track is near.
-    pub(super) const TRACK: u8 = 8;
+    pub(super) const TRACK: u8 = 9;
     /// Signed distance of the first track; the others follow.
-    pub(super) const TRACKS: u8 = 9;
+    pub(super) const TRACKS: u8 = 10;
 }
 
 /// Distance of the raster's posts, m.
@@ -96,15 +98,18 @@ fn bake(relief: &Relief, seeds: &[u32; 8], dune_m: f64, p: DVec2) -> Post {
     // Streamers of sand over the flats, long with the wind.
     let streamers = fractal(DVec2::new(q.x * 0.14, q.y), seeds[7], 7.0, 4, 0.62);
     let thick = sand.thick_m / dune_m;
-    let covered = smoothstep(0.012, 0.075, thick + 0.045 * streamers + 0.03 * ragged(0, 9.0));
+    let covered = smoothstep(0.004, 0.105, thick + 0.05 * streamers + 0.035 * ragged(0, 9.0));
     let bare = 1.0 - covered;
-    let playa =
-        smoothstep(0.02, 0.16, soft(1, 150.0) + 0.12 * ragged(1, 23.0) - 3.0 * thick) * smoothstep(0.1, 0.5, bare);
+    // Water stood in the hollows of the ground: what it left ends along a contour line, feathered.
+    let hollow = -relief.ground_m(p) / GROUND_M;
+    let flooded = 0.75 * hollow + 0.3 * soft(1, 150.0) + 0.10 * ragged(1, 23.0) - 2.0 * thick;
+    let playa = smoothstep(0.02, 0.24, flooded) * smoothstep(0.15, 0.75, bare);
     let pavement = smoothstep(-0.15, 0.35, ragged(2, 34.0));
     // Dark minerals stay where the wind takes the light grains: along the lower windward side.
     let mineral = smoothstep(0.05, 0.45, fractal(DVec2::new(q.x * 0.3, q.y), seeds[6], 11.0, 4, 0.6))
         * smoothstep(0.7, 0.2, thick)
         * smoothstep(0.03, 0.12, thick);
+    let ripples = relief.ripple_field(p, &sand);
     let values = [
         covered,
         playa,
@@ -112,8 +117,10 @@ fn bake(relief: &Relief, seeds: &[u32; 8], dune_m: f64, p: DVec2) -> Post {
         0.5 + 0.5 * soft(3, 28.0),
         0.5 + 0.5 * soft(4, 110.0),
         0.5 + 0.5 * fractal(p, seeds[5], 4.6, 2, 0.5),
-        mineral,
-        relief.ripple_field(p, &sand),
+        // Most of them where coarse grains gather anyway.
+        mineral * (0.35 + 0.65 * ripples),
+        ripples,
+        relief.fresh(p, &sand),
         0.0,
     ];
     let mut post = Post::default();
@@ -135,14 +142,14 @@ struct Palette {
     playa: Bands,
 }
 
-/// From the buff of coasts to the red of old inland sand. What lies between the dunes is greyer, but its dust is the
+/// From the pale tan of coasts to the orange of old inland sand. What lies between the dunes is greyer, but its dust is the
 /// sand's: no band may differ much more than another, or the sensor's stretch of each makes it garish.
 fn palette(rng: &mut Rng) -> Palette {
-    let buff = Bands::new(0.212, 0.280, 0.345, 0.42);
-    let orange = Bands::new(0.155, 0.230, 0.335, 0.43);
-    let red = Bands::new(0.118, 0.180, 0.310, 0.41);
+    let pale = Bands::new(0.200, 0.286, 0.350, 0.42);
+    let tan = Bands::new(0.148, 0.240, 0.335, 0.43);
+    let orange = Bands::new(0.118, 0.204, 0.325, 0.42);
     let t = rng.unit() as f32 * 2.0;
-    let sand = if t < 1.0 { buff.lerp(orange, t) } else { orange.lerp(red, 0.6 * (t - 1.0)) };
+    let sand = if t < 1.0 { pale.lerp(tan, t) } else { tan.lerp(orange, t - 1.0) };
     let bright = rng.range(0.92, 1.08) as f32;
     // A colour of the sand's hue that is as bright as a grey, mixed with the grey.
     let dusty = |grey: Bands, dust: f64| grey.lerp(sand * (grey.0[1] / sand.0[1]), dust as f32);
@@ -168,16 +175,22 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
     let product = Field::Product;
     let along = |d: DVec2| [d.x, d.y];
     let turned = |of: Field, d: DVec2| Field::Turned { of: Box::new(of), along: along(d) };
+    // Ripples: crests across the wind that bend by some 25 degrees over a dune, in patches with bare sand between.
     let wind = relief.dunes.along;
     let crests = |name: &str, wavelength_m: f32, octaves: u8| {
-        turned(
+        let straight = turned(
             Field::Noise(
-                Fractal::new(Space::Plan, seed(name), wavelength_m, octaves).stretched([1.0, 4.5, 1.0]).gain(0.6),
+                Fractal::new(Space::Plan, seed(name), wavelength_m, octaves).stretched([1.0, 3.5, 1.0]).gain(0.6),
             ),
             wind,
-        )
+        );
+        let bent =
+            Field::Warped { of: Box::new(straight), seed: seed("crests bend"), wavelength_m: 36.0, amplitude_m: 4.0 };
+        let patches = Field::Noise(Fractal::new(Space::Plan, seed("ripple patches"), 31.0, 2)).ramp(-0.15, 0.35);
+        product(vec![bent, patches])
     };
-    let bare = || raster(channel::SAND).affine(-1.0, 1.0);
+    // Fresh sand from a slip face lies over all.
+    let bare = || product(vec![raster(channel::SAND).affine(-1.0, 1.0), raster(channel::FRESH).affine(-1.0, 1.0)]);
     // Both ruts of every track, at 0.8 m on each side.
     let rut = |track: usize, side: f32| {
         let d = raster(channel::TRACKS + track as u8).affine(2.0 * REACH_M as f32 * side, -REACH_M as f32 * side);
@@ -200,61 +213,72 @@ pub(super) fn materials(relief: &Relief, contrast: f64, path: &SeedPath) -> Vec<
         m.with(Layer::Mix { color: apart(colors.gravel), amount: bare() })
             .with(Layer::Mix {
                 color: apart(colors.pavement),
-                amount: product(vec![bare(), raster(channel::PAVEMENT)]).times(0.75),
+                amount: product(vec![bare(), raster(channel::PAVEMENT)]).times(0.6),
             })
             .with(Layer::Mix { color: apart(colors.playa), amount: product(vec![bare(), raster(channel::PLAYA)]) })
-            .with(Layer::Mix { color: apart(colors.sand * 0.82), amount: raster(channel::MINERAL).times(0.65) })
+            .with(Layer::Mix { color: apart(colors.sand * 0.82), amount: raster(channel::MINERAL).times(0.5) })
             .with(Layer::Mix {
                 color: apart(colors.sand.lerp(colors.gravel, 0.5) * 0.9),
                 amount: raster(channel::RIPPLES).times(0.45),
             })
     };
+    // Stones: darker and lighter specks, none on the playa. The sand's edge has them too: where a triangle ends does not
+    // show.
+    let stones = || {
+        product(vec![
+            bare(),
+            raster(channel::PLAYA).affine(-0.85, 1.0),
+            Field::Noise(Fractal::new(Space::Plan, seed("stones"), 1.4, 3).gain(0.85)).times(0.15 * k),
+        ])
+    };
+    let grain = || Field::Noise(Fractal::new(Space::Plan, seed("grain"), 1.1, 2).gain(1.0)).times(0.10 * k);
     let sand = common(covers(Material::diffuse("dune sand", Class::Sand, colors.sand).rough(0.35)))
-        .with(Layer::Brightness { amount: crests("ripple tone", 2.1, 2).times(0.055 * k) })
-        .with(Layer::Brightness {
-            amount: Field::Noise(Fractal::new(Space::Plan, seed("grain"), 1.1, 2).gain(1.0)).times(0.10 * k),
-        })
-        .bumpy(crests("ripples", 1.5, 2), 0.035 * k);
-    let slip = common(Material::diffuse("slip face", Class::Sand, colors.sand).rough(0.35))
-        // Fresh sand, sorted: a little lighter, streaked downward.
-        .with(Layer::Brightness { amount: Field::Constant(0.03 * k) })
-        .with(Layer::Brightness {
-            amount: turned(
-                Field::Noise(Fractal::new(Space::Plan, seed("slides"), 1.4, 2).stretched([7.0, 1.0, 1.0]).gain(0.8)),
-                relief.dunes.last_wind,
-            )
-            .times(0.07 * k),
-        })
-        .with(Layer::Brightness {
-            amount: Field::Noise(Fractal::new(Space::Plan, seed("slip grain"), 1.0, 2)).times(0.06 * k),
-        });
-    let cracks =
-        |cell_m: f32, width_m: f32| Field::Cracks { space: Space::Plan, seed: seed("cracks"), cell_m, width_m };
-    let flat = common(covers(Material::diffuse("gravel and playa", Class::Ground, colors.sand).rough(0.4)))
+        .with(Layer::Brightness { amount: crests("ripple tone", 2.1, 2).times(0.04 * k) })
+        .with(Layer::Brightness { amount: stones() })
+        .with(Layer::Brightness { amount: grain() })
+        .bumpy(crests("ripples", 1.5, 2), 0.022 * k);
+    let fresh = || raster(channel::FRESH);
+    let slip = common(covers(Material::diffuse("slip face", Class::Sand, colors.sand).rough(0.35)))
+        // Fresh sand, sorted: a little lighter, streaked downward, in tongues that end on the ground before it.
+        .with(Layer::Brightness { amount: fresh().times(0.03 * k) })
         .with(Layer::Brightness {
             amount: product(vec![
-                bare(),
-                raster(channel::PLAYA).ramp(0.5, 0.85),
-                Field::Warped {
-                    of: Box::new(cracks(1.7, 0.07)),
-                    seed: seed("bend"),
-                    wavelength_m: 2.2,
-                    amplitude_m: 0.35,
-                },
-            ])
-            .times(-0.12 * k),
-        })
-        // Stones: darker and lighter specks, none on the playa.
-        .with(Layer::Brightness {
-            amount: product(vec![
-                bare(),
-                raster(channel::PLAYA).affine(-0.85, 1.0),
-                Field::Noise(Fractal::new(Space::Plan, seed("stones"), 1.4, 3).gain(0.95)).times(0.26 * k),
+                fresh(),
+                turned(
+                    Field::Noise(
+                        Fractal::new(Space::Plan, seed("slides"), 1.7, 2).stretched([7.0, 1.0, 1.0]).gain(0.8),
+                    ),
+                    relief.dunes.last_wind,
+                )
+                .times(0.06 * k),
             ]),
         })
+        .with(Layer::Brightness { amount: stones() })
+        .with(Layer::Brightness { amount: grain().times(0.7) });
+    let cracks = |cell_m: f32, width_m: f32| Field::Warped {
+        of: Box::new(Field::Cracks { space: Space::Plan, seed: seed("cracks"), cell_m, width_m }),
+        seed: seed("bend"),
+        wavelength_m: 2.2,
+        amplitude_m: 0.35,
+    };
+    let cracked = |cell_m: f32, width_m: f32, darker: f32| Layer::Brightness {
+        amount: product(vec![bare(), raster(channel::PLAYA).ramp(0.5, 0.9), cracks(cell_m, width_m)])
+            .times(-darker * k),
+    };
+    let flat = common(covers(Material::diffuse("gravel and playa", Class::Ground, colors.sand).rough(0.4)))
+        // Polygons within polygons, and silt where the water's edge stood.
+        .with(cracked(1.7, 0.07, 0.12))
+        .with(cracked(6.5, 0.16, 0.10))
         .with(Layer::Brightness {
-            amount: Field::Noise(Fractal::new(Space::Plan, seed("flat grain"), 1.2, 2).gain(1.0)).times(0.09 * k),
+            amount: product(vec![
+                bare(),
+                raster(channel::PLAYA).ramp(0.05, 0.3),
+                raster(channel::PLAYA).ramp(0.75, 0.4),
+            ])
+            .times(0.05 * k),
         })
-        .bumpy(Field::Noise(Fractal::new(Space::Plan, seed("gravel"), 1.3, 2).gain(0.8)), 0.035 * k);
+        .with(Layer::Brightness { amount: stones() })
+        .with(Layer::Brightness { amount: grain() })
+        .bumpy(Field::Noise(Fractal::new(Space::Plan, seed("gravel"), 1.3, 2).gain(0.8)), 0.03 * k);
     vec![sand, slip, flat]
 }

@@ -5,6 +5,7 @@
 //! the two runs the brink, a contour line of the depth below the wind, and from it sand falls at its angle of repose:
 //! exact cones from the brink's segments, so that neither brink nor slip face knows of any grid.
 
+use super::grid::Grid;
 use super::werner::{Regime, SLAB, blow, shadow_lines};
 use crate::kit::terrain::contour::{contours, resampled};
 use crate::kit::terrain::front::{Source, rise};
@@ -16,17 +17,20 @@ use satseed_scene::{Raster, SeedPath};
 
 /// Tangent of the slip faces' slope: 33 degrees.
 const REPOSE: f64 = 0.6494;
-/// Deviation of the smoothing of windward sides and floors, cells.
-const SMOOTH_CELLS: f64 = 2.0;
 /// The same of the depth below the wind, whose contour is the brink.
 const BRINK_CELLS: f64 = 2.0;
-/// Tangents of the steepest windward side and of the steepest floor: 24 and 14 degrees.
-const BODY_LIMIT: f64 = 0.445;
+/// Tangents of the steepest windward side and of the steepest floor: 12.5 and 14 degrees. A steeper foot would turn from
+/// the sun as if it were stained.
+const BODY_LIMIT: f64 = 0.222;
 const FLOOR_LIMIT: f64 = 0.25;
+/// The same of what is guessed of the body beyond a brink: 24 degrees.
+const GUESS_LIMIT: f64 = 0.445;
 /// Depth below the wind at the brink after smoothing, cells: what a straight brink has there.
 const BRINK_DEPTH: f64 = 0.38 * BRINK_CELLS * 0.4;
 /// Further depth over which the body ends and the floor begins, cells: at a brink, and where the lee ends at its sides.
 const BODY_END: [f64; 2] = [0.30, 1.6];
+/// Shorter brinks carry no slip face, m: sand slides in sheets, not in splinters.
+const LEAST_BRINK_M: f64 = 12.0;
 /// Sources before and after the nearest one that may reach a place higher up.
 const ALONG: usize = 3;
 
@@ -48,6 +52,15 @@ pub(super) struct Domain {
     pub(super) period_m: f64,
     /// Half the side of the square around the pivot that any scene lies in, m.
     pub(super) half_m: f64,
+}
+
+/// Where a slip face stands at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slip {
+    /// Its height above the bare ground, m; far below all where no brink is near.
+    pub(super) height_m: f64,
+    /// How far it has fallen from its brink, m.
+    pub(super) fallen_m: f64,
 }
 
 /// A field of dunes.
@@ -119,8 +132,12 @@ impl Dunes {
         let mut body = grid.smoothed_where(&height, &windward);
         let mut floor = grid.smoothed_where(&height, &floor);
         // Far from where they are known both are guesses, which may jump: what rests there is never steep.
-        grid.no_steeper(&mut body, (BODY_LIMIT * cell_m) as f32);
-        grid.no_steeper(&mut floor, (FLOOR_LIMIT * cell_m) as f32);
+        grid.no_steeper(&mut body, (GUESS_LIMIT * cell_m) as f32, |_| true);
+        // Measured from windward ground alone: what is guessed beyond a brink lies lower, and would plane the brink off.
+        grid.no_steeper(&mut body, (BODY_LIMIT * cell_m) as f32, |p| windward[p] > 0.5);
+        // What was cut off ends in edges: windward sides are rounded.
+        let body = grid.blurred(&body, 1.0);
+        grid.no_steeper(&mut floor, (FLOOR_LIMIT * cell_m) as f32, |_| true);
         let depth = grid.blurred(&depth, BRINK_CELLS);
         let thick = grid.blurred(&height, 2.0);
         let end: Vec<f32> = (0..n * n)
@@ -192,11 +209,23 @@ impl Dunes {
         self.fields(p)[0]
     }
 
+    /// The direction in which the lee deepens: down the slip face where it leaves its brink.
+    pub(super) fn into_lee(&self, p: DVec2) -> DVec2 {
+        let e = 0.25 * self.cell_m;
+        let at = |x: f64, y: f64| self.fields(p + DVec2::new(x, y))[2];
+        DVec2::new(at(e, 0.0) - at(-e, 0.0), at(0.0, e) - at(0.0, -e)).normalize_or_zero()
+    }
+
     /// Height of the slip face that reaches a place, m above the bare ground; far below all where none does.
     pub(super) fn slip_m(&self, p: DVec2) -> f64 {
+        self.slip(p).height_m
+    }
+
+    /// The highest slip face that reaches a place.
+    pub(super) fn slip(&self, p: DVec2) -> Slip {
         let g = self.nearest.grid_from_world(p).floor();
         let (i, j) = (g.x as i64, g.y as i64);
-        let (mut best, mut last) = (f64::MAX, u32::MAX);
+        let (mut best, mut from, mut last) = (f64::MAX, 0.0, u32::MAX);
         for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let s = self.nearest.get_clamped(i + di, j + dj);
             if s == u32::MAX || s == last {
@@ -205,10 +234,17 @@ impl Dunes {
             last = s;
             let s = s as usize;
             for source in &self.sources[s.saturating_sub(ALONG)..(s + ALONG + 1).min(self.sources.len())] {
-                best = best.min(source.reach(p).0);
+                let (reach, t) = source.reach(p);
+                if reach < best {
+                    best = reach;
+                    from = source.values_m[0] + (source.values_m[1] - source.values_m[0]) * t;
+                }
             }
         }
-        if best == f64::MAX { f64::MIN } else { -best * REPOSE }
+        if best == f64::MAX {
+            return Slip { height_m: f64::MIN, fallen_m: 0.0 };
+        }
+        Slip { height_m: -best * REPOSE, fallen_m: (best - from) * REPOSE }
     }
 
     fn find_brinks(&mut self, half_m: f64) {
@@ -220,8 +256,11 @@ impl Dunes {
             .map(|j| (0..count).map(|i| (self.fields(shape.position(i, j))[2] - BRINK_DEPTH) as f32).collect())
             .collect();
         let depth = Raster { data: rows.concat(), ..shape.clone() };
-        let lines: Vec<Vec<DVec2>> =
-            contours(&depth).into_par_iter().flat_map_iter(|line| self.entering(&resampled(&line, step))).collect();
+        let lines: Vec<Vec<DVec2>> = contours(&depth)
+            .into_par_iter()
+            .flat_map_iter(|line| self.entering(&resampled(&line, step)))
+            .filter(|line| line.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>() >= LEAST_BRINK_M)
+            .collect();
         for line in &lines {
             for pair in line.windows(2) {
                 let value = |p: DVec2| -self.windward_m(p) / REPOSE;
@@ -298,101 +337,6 @@ fn spline(t: f64) -> [f64; 4] {
     [u * u * u / 6.0, (3.0 * t3 - 6.0 * t2 + 4.0) / 6.0, (-3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0) / 6.0, t3 / 6.0]
 }
 
-/// A periodic square of cells.
-struct Grid {
-    n: usize,
-}
-
-impl Grid {
-    /// The cell nearest to a place some cells away.
-    fn moved(&self, p: usize, by: DVec2) -> usize {
-        let n = self.n as i64;
-        let step = |x: f64| libm::floor(x + 0.5) as i64;
-        let (i, j) = ((p % self.n) as i64 + step(by.x), (p / self.n) as i64 + step(by.y));
-        (j.rem_euclid(n) * n + i.rem_euclid(n)) as usize
-    }
-
-    /// The gradient, per cell.
-    fn gradient(&self, z: &[f32], p: usize) -> DVec2 {
-        let at = |x: f64, y: f64| f64::from(z[self.moved(p, DVec2::new(x, y))]);
-        DVec2::new(at(1.0, 0.0) - at(-1.0, 0.0), at(0.0, 1.0) - at(0.0, -1.0)) / 2.0
-    }
-
-    /// Gaussian mean, `sigma` in cells.
-    fn blurred(&self, z: &[f32], sigma: f64) -> Vec<f32> {
-        let n = self.n;
-        let reach = (libm::ceil(3.0 * sigma) as usize).min(n / 2 - 1);
-        let raw: Vec<f64> = (0..=2 * reach)
-            .map(|k| k as f64 - reach as f64)
-            .map(|d| libm::exp(-d * d / (2.0 * sigma * sigma)))
-            .collect();
-        let total: f64 = raw.iter().sum();
-        let weights: Vec<f32> = raw.iter().map(|w| (w / total) as f32).collect();
-        let mut across = vec![0.0_f32; n * n];
-        across.par_chunks_mut(n).enumerate().for_each(|(j, row)| {
-            let from = &z[j * n..][..n];
-            let extended: Vec<f32> = (0..n + 2 * reach).map(|i| from[(i + n - reach) % n]).collect();
-            for (i, v) in row.iter_mut().enumerate() {
-                *v = extended[i..].iter().zip(&weights).map(|(a, w)| a * w).sum();
-            }
-        });
-        let mut out = vec![0.0_f32; n * n];
-        out.par_chunks_mut(n).enumerate().for_each(|(j, row)| {
-            for (k, w) in weights.iter().enumerate() {
-                let from = &across[(j + k + n - reach) % n * n..][..n];
-                for (v, a) in row.iter_mut().zip(from) {
-                    *v += a * w;
-                }
-            }
-        });
-        out
-    }
-
-    /// Lowers what rises by more than `step` a cell from any of the eight neighbours.
-    fn no_steeper(&self, z: &mut [f32], step: f32) {
-        let n = self.n;
-        let diagonal = step * core::f32::consts::SQRT_2;
-        // Sweeps in both directions, each with the neighbours that it has just passed; the edges repeat.
-        for _ in 0..12 {
-            let mut lowered = false;
-            for k in 0..2 * n * n {
-                let p = if k < n * n { k } else { 2 * n * n - 1 - k };
-                let (i, j) = (p % n, p / n);
-                let (row, column, beside) = if k < n * n {
-                    ((j + n - 1) % n * n, (i + n - 1) % n, (i + 1) % n)
-                } else {
-                    ((j + 1) % n * n, (i + 1) % n, (i + n - 1) % n)
-                };
-                let most = (z[row + i] + step)
-                    .min(z[j * n + column] + step)
-                    .min(z[row + column] + diagonal)
-                    .min(z[row + beside] + diagonal);
-                if most < z[p] {
-                    z[p] = most;
-                    lowered = true;
-                }
-            }
-            if !lowered {
-                return;
-            }
-        }
-    }
-
-    /// Gaussian mean over the cells of a weight; far from all of them, over more and more of the surroundings.
-    fn smoothed_where(&self, z: &[f32], weight: &[f32]) -> Vec<f32> {
-        let weighted: Vec<f32> = z.iter().zip(weight).map(|(z, w)| z * w).collect();
-        let near = (self.blurred(&weighted, SMOOTH_CELLS), self.blurred(weight, SMOOTH_CELLS));
-        let far = (self.blurred(&weighted, 3.0 * SMOOTH_CELLS), self.blurred(weight, 3.0 * SMOOTH_CELLS));
-        let last = self.blurred(z, 6.0 * SMOOTH_CELLS);
-        (0..z.len())
-            .map(|p| {
-                let sum = near.0[p] + 1e-3 * far.0[p] + 1e-6 * last[p];
-                sum / (near.1[p] + 1e-3 * far.1[p] + 1e-6)
-            })
-            .collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -405,15 +349,5 @@ mod tests {
             let x: f64 = w.iter().zip([-1.0, 0.0, 1.0, 2.0]).map(|(w, x)| w * x).sum();
             assert!((x - t).abs() < 1e-12);
         }
-    }
-
-    #[test]
-    fn smoothing_knows_nothing_of_what_has_no_weight() {
-        let grid = Grid { n: 64 };
-        let z: Vec<f32> = (0..64 * 64).map(|p| if p % 64 < 20 { 9.0 } else { 2.0 }).collect();
-        let weight: Vec<f32> = (0..64 * 64).map(|p| if p % 64 < 20 { 0.0 } else { 1.0 }).collect();
-        let smooth = grid.smoothed_where(&z, &weight);
-        assert!(smooth.iter().all(|v| (v - 2.0).abs() < 0.2), "{:?}", smooth.iter().copied().fold(0.0_f32, f32::max));
-        assert!((smooth[40] - 2.0).abs() < 1e-3);
     }
 }

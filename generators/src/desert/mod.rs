@@ -2,6 +2,7 @@
 
 mod dress;
 mod dunes;
+mod grid;
 mod mounds;
 mod relief;
 mod scatter;

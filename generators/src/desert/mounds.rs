@@ -85,7 +85,7 @@ fn mound(dunes: &Dunes, cell: (i32, i32), density: f64, seed: u32, path: &SeedPa
     let draw = f64::from(unit_from_hash(hash_cell(cell.0, cell.1, 0, seed)));
     let corner = DVec2::new(f64::from(cell.0), f64::from(cell.1)) * CELL_M;
     let groves = smoothstep(-0.05, 0.35, fractal(corner, seed, 130.0, 3, 0.55));
-    if draw > 0.6 * density * (0.12 + 0.88 * groves) {
+    if draw > 0.75 * density * (0.16 + 0.84 * groves) {
         return None;
     }
     let mut rng = path.index((u64::from(cell.0 as u32) << 32) | u64::from(cell.1 as u32)).rng();

@@ -1,6 +1,6 @@
 //! The height field: bare ground, dunes, mounds around shrubs, ripples.
 
-use super::dunes::{Dunes, Sand};
+use super::dunes::{Dunes, Sand, Slip};
 use super::mounds::Mounds;
 use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
@@ -12,7 +12,10 @@ use satseed_scene::{Raster, SeedPath};
 /// Distance of the posts within the full detail, m.
 pub(super) const POST_M: f64 = 0.5;
 /// Half the bare ground's rise and fall, m, about.
-const GROUND_M: f64 = 2.2;
+pub(super) const GROUND_M: f64 = 2.2;
+/// Over so much difference in height a slip face and the ground at its toe pass into each other, m: sand that slid runs
+/// out over a metre or two.
+const TOE_M: f64 = 0.7;
 /// The most that all which lies upon the dunes adds or takes, m.
 pub(super) const DETAIL_LIMIT_M: f64 = 3.5;
 
@@ -88,12 +91,40 @@ impl Relief {
         let sand = self.dunes.sand(p);
         let ground = self.ground_m(p);
         let body = ground + sand.body_m + self.detail_m(p, &sand);
-        let slip = self.dunes.slip_m(p);
-        if slip + ground <= body - 0.2 {
+        let slip = self.dunes.slip(p);
+        if slip.height_m + ground <= body - TOE_M - 0.3 {
             return (body, Face::Body);
         }
-        let slip = slip + ground + self.lobes_m(p, sand.lee);
-        if slip > body { (slip, Face::Slip) } else { (body, Face::Body) }
+        let slip_m = slip.height_m + ground + self.lobes_m(p, sand.lee);
+        // Where the two meet within the blend, the joint is a curve.
+        let blend = toe_blend_m(slip);
+        let over = (blend - (slip_m - body).abs()).max(0.0);
+        let joint = if over > 0.0 { over * over / (4.0 * blend) } else { 0.0 };
+        if slip_m > body { (slip_m + joint, Face::Slip) } else { (body + joint, Face::Body) }
+    }
+
+    /// How much of the ground at a place is the slip face, 0 to 1: at a brink all or none, at the toe a part.
+    fn slip_share(&self, p: DVec2, face: Face) -> f64 {
+        let whole = if face == Face::Slip { 1.0 } else { 0.0 };
+        let slip = self.dunes.slip(p);
+        let blend = toe_blend_m(slip);
+        if blend < 0.05 {
+            return whole;
+        }
+        let sand = self.dunes.sand(p);
+        let above = slip.height_m + self.lobes_m(p, sand.lee) - sand.body_m - self.detail_m(p, &sand);
+        (0.5 + 0.5 * above / blend).clamp(0.0, 1.0)
+    }
+
+    /// How much of a place fresh sand from a slip face covers, 0 to 1: ragged where tongues of it run out.
+    pub(super) fn fresh(&self, p: DVec2, sand: &Sand) -> f64 {
+        let above = self.dunes.slip_m(p) - sand.body_m;
+        if above < -0.3 {
+            return 0.0;
+        }
+        let down = self.dunes.last_wind;
+        let q = DVec2::new(down.dot(p) * 0.3, down.perp_dot(p));
+        smoothstep(0.1, 1.0, above + 0.8 * fractal(q, self.seeds.lobes ^ 1, 3.6, 2, 0.6))
     }
 
     fn exact_m(&self, p: DVec2) -> f64 {
@@ -151,16 +182,25 @@ impl Relief {
     fn lobes_m(&self, p: DVec2, lee: f64) -> f64 {
         let down = self.dunes.last_wind;
         let q = DVec2::new(down.dot(p) * 0.2, down.perp_dot(p));
-        fractal(q, self.seeds.lobes, 2.6, 2, 0.5) * (0.05 * self.roughness) * smoothstep(1.2, 3.0, lee)
+        fractal(q, self.seeds.lobes, 2.6, 2, 0.5) * (0.07 * self.roughness) * smoothstep(1.2, 3.0, lee)
     }
 
-    /// Eastward and northward slope of one of the two surfaces at a place.
+    /// Eastward and northward slope of the ground at a place, on one of the two surfaces where it is an edge.
     pub(super) fn slope(&self, p: DVec2, face: Face) -> DVec2 {
+        let share = self.slip_share(p, face);
+        let part = |face: Face, share: f64| if share > 0.0 { self.slope_of(p, face) * share } else { DVec2::ZERO };
+        part(Face::Body, 1.0 - share) + part(Face::Slip, share)
+    }
+
+    fn slope_of(&self, p: DVec2, face: Face) -> DVec2 {
         let e = match face {
             Face::Body => 0.35,
             Face::Slip => 0.8,
         };
-        let in_wind = self.dunes.sand(p).lee < 1.12;
+        let lee = self.dunes.sand(p).lee;
+        let in_wind = lee < 1.12;
+        // The cones of a brink fall on both sides of it: the slip face is asked for where only one of them is near.
+        let p = if face == Face::Slip && lee < 2.2 { p + self.dunes.into_lee(p) * (1.5 * e) } else { p };
         let z = |x: f64, y: f64| {
             let p = p + DVec2::new(x, y);
             let ground = self.ground_m(p);
@@ -191,6 +231,11 @@ impl Relief {
     pub(super) fn window(&self) -> &Raster<f32> {
         &self.window
     }
+}
+
+/// Difference in height over which a slip face passes into the ground below it, m: none at its brink.
+fn toe_blend_m(slip: Slip) -> f64 {
+    TOE_M * smoothstep(0.3, 2.2, slip.fallen_m)
 }
 
 impl Ground for Relief {

@@ -12,6 +12,8 @@ use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Scene, SeedPath,
 
 /// Different meshes of each kind.
 const VARIANTS: usize = 14;
+/// Share of the cells with a tuft where they stand closest.
+const MOST_TUFTS: f64 = 0.75;
 /// Side of the cells in which at most one tuft or stone is placed, m.
 const CELL_M: f64 = 4.0;
 
@@ -46,7 +48,7 @@ fn on_mound(relief: &Relief, mound: &Mound, path: &SeedPath) -> Vec<Placed> {
             let out = if count == 1 { 0.1 } else { rng.range(0.15, 0.75) } * mound.radius_m;
             let p = mound.at_m + DVec2::new(c, s) * out;
             let height = (mound.height_m * rng.range(0.8, 1.5)).clamp(0.35, 1.5);
-            let width = height * rng.range(1.0, 1.6);
+            let width = height * rng.range(1.3, 2.1);
             let name = format!("shrub/{}_{}/{k}", mound.cell.0, mound.cell.1);
             planted(relief, p, [width, height], VARIANTS, &mut rng, name)
         })
@@ -58,20 +60,23 @@ fn tuft(relief: &Relief, path: &SeedPath, shrubs: f64, cell: Cell) -> Option<Pla
     let path = path.child("tuft");
     let seed = path.hash_u32();
     let (draw, corner) = (cell.draw(seed), cell.point(0.0, 0.0));
-    if draw > 0.62 * shrubs {
+    if draw > MOST_TUFTS * shrubs {
         return None;
     }
     let groups = smoothstep(-0.1, 0.4, fractal(corner, seed, 85.0, 4, 0.6));
     let sand = relief.dunes.sand(corner);
-    let share =
-        0.62 * shrubs * (0.10 + 0.90 * groups) * smoothstep(1.2, 0.3, sand.thick_m) * smoothstep(0.8, 0.3, sand.lee);
+    let share = MOST_TUFTS
+        * shrubs
+        * (0.14 + 0.86 * groups)
+        * smoothstep(1.2, 0.3, sand.thick_m)
+        * smoothstep(0.8, 0.3, sand.lee);
     if draw > share {
         return None;
     }
     let mut rng = cell.key(&path).rng();
     let p = cell.point(rng.unit(), rng.unit());
     let height = rng.lognormal(0.38, 0.3).clamp(0.2, 0.9);
-    let width = height * rng.range(1.1, 1.9);
+    let width = height * rng.range(1.4, 2.4);
     Some(planted(relief, p, [width, height], VARIANTS, &mut rng, cell.name("tuft")))
 }
 
@@ -116,16 +121,17 @@ fn stone_material(path: &SeedPath) -> Material {
 fn shrub_materials(path: &SeedPath) -> Vec<Material> {
     let seed = path.child("material").hash_u32();
     let leaf = Material {
-        brdf: Brdf::Leaf { transmission: Bands::new(0.012, 0.03, 0.02, 0.14) },
-        ..Material::diffuse("shrub leaves", Class::LowVegetation, Bands::new(0.060, 0.085, 0.080, 0.22))
+        // Of one leaf: a crown, hollow and shaded by itself, is half as bright.
+        brdf: Brdf::Leaf { transmission: Bands::new(0.025, 0.045, 0.04, 0.14) },
+        ..Material::diffuse("shrub leaves", Class::LowVegetation, Bands::new(0.150, 0.212, 0.215, 0.34))
             // Half of them are grey and leafless at any time of the year.
             .with(Layer::Mix {
-                color: Bands::new(0.10, 0.125, 0.145, 0.22),
+                color: Bands::new(0.180, 0.228, 0.262, 0.35),
                 amount: Field::Variation(0).ramp(-0.4, 0.5),
             })
             .with(Layer::Brightness { amount: Field::Variation(1).times(0.22) })
             .with(Layer::Brightness { amount: Field::world_noise(seed, 0.3, 2).times(0.2) })
     };
-    let stem = Material::diffuse("shrub stems", Class::LowVegetation, Bands::new(0.08, 0.09, 0.11, 0.18));
+    let stem = Material::diffuse("shrub stems", Class::LowVegetation, Bands::new(0.11, 0.13, 0.155, 0.22));
     vec![leaf, stem]
 }
