@@ -12,6 +12,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 use satseed_scene::{Raster, hash_cell, unit_from_hash};
 
+/// The highest head of a fan above the river, m.
+const FAN_HEAD_M: f64 = 17.0;
+
 /// What the making of the window leaves behind for materials and plants.
 pub(in super::super) struct Worn {
     /// Distance in the strata's profile.
@@ -51,14 +54,23 @@ impl Relief<'_> {
             Habit::Plateau => 0.25,
         };
         let ease: Vec<f32> = self.strata.beds.iter().map(|b| ease(b.habit)).collect();
+        // Some stretches of wall are gullied deeply and others hardly, or the gullies would keep one distance.
+        let vigour: Vec<f32> = (0..width * height)
+            .into_par_iter()
+            .map(|p| {
+                let at = shape.position(p % width, p / width);
+                let share = smoothstep(-0.30, 0.55, fractal(at, self.seeds.plan ^ 0x2b, 75.0, 3, 0.55));
+                (0.2 + 3.4 * share * share) as f32
+            })
+            .collect();
         let steps = 10;
         let total = 0.42_f32;
         let mut area = vec![0.0; width * height];
         for _ in 0..steps {
             let drainage = fill_and_drain(&mut d, self.seeds.plan, outlet);
             area = drainage.area_m2(WORN_M);
-            stream_power(&mut d, &drainage, &area, |_, v| {
-                total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
+            stream_power(&mut d, &drainage, &area, |p, v| {
+                vigour[p] * total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
             });
             diffuse(&mut d, 0.12, outlet);
         }
@@ -143,9 +155,40 @@ impl Relief<'_> {
                 });
             }
         }
+        apexes.extend(self.fans(&rock));
         let mut scree = cones(&rock, &apexes);
         settle(&rock, &mut scree, 0.74, 8);
         self.worn.scree_m = scree;
+    }
+}
+
+impl Relief<'_> {
+    /// Fans and aprons that bury the low cliffs at the foot of the main valley's walls along about half of their length,
+    /// higher or lower as the noise along the valley has it.
+    fn fans(&self, rock: &Raster<f32>) -> Vec<Apex> {
+        let (width, height) = (rock.width, rock.height);
+        let mut apexes = Vec::new();
+        for p in 0..width * height {
+            let (i, j) = (p % width, p / width);
+            let inward = i.min(j).min(width - 1 - i).min(height - 1 - j) as f64 * WORN_M;
+            let bank = f64::from(self.worn.bank_m.data[p]);
+            let above_m = f64::from(rock.data[p] - self.worn.level_m.data[p]);
+            if inward < 30.0 || !(2.0..100.0).contains(&bank) || !(1.0..FAN_HEAD_M).contains(&above_m) {
+                continue;
+            }
+            let at = rock.position(i, j);
+            let head_m = FAN_HEAD_M * smoothstep(-0.06, 0.30, fractal(at, self.seeds.scree ^ 0xfa, 85.0, 3, 0.5));
+            if above_m < head_m {
+                apexes.push(Apex {
+                    at_m: at,
+                    height_m: f64::from(rock.data[p]) + 0.4,
+                    tangent: 0.36
+                        + 0.22 * f64::from(unit_from_hash(hash_cell(i as i32, j as i32, 7, self.seeds.scree))),
+                    max_cover_m: FAN_HEAD_M,
+                });
+            }
+        }
+        apexes
     }
 }
 
