@@ -185,8 +185,9 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
     // Streaks start at seeps and ledges and run some metres down: fields stretched along the height, each with ends of its
     // own, within patches of wetter wall.
     let streaks =
-        Field::Noise(Fractal::new(Space::World, seed("streaks"), 1.5, 3).gain(0.7).stretched([1.0, 1.0, 7.0]));
+        Field::Noise(Fractal::new(Space::World, seed("streaks"), 1.2, 3).gain(0.7).stretched([1.0, 1.0, 7.0]));
     let seeps = Field::Noise(Fractal::new(Space::World, seed("seeps"), 9.0, 3).gain(0.7).stretched([1.0, 1.0, 0.7]));
+    let cracks = Field::Noise(Fractal::new(Space::World, seed("cracks"), 0.9, 3).gain(0.8).stretched([1.0, 1.0, 2.6]));
     let stony = Field::Max(vec![raster(channel::SCREE), Field::Upward.ramp(0.97, 0.8).times(0.6)]);
 
     let soil = Bands::new(0.112, 0.150, 0.208, 0.29);
@@ -214,7 +215,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         })
         .with(Layer::Mix {
             color: varnished,
-            amount: product(vec![Field::Upward.ramp(0.62, 0.3), seeps.ramp(-0.12, 0.35), streaks.ramp(-0.05, 0.40)])
+            amount: product(vec![Field::Upward.ramp(0.62, 0.3), seeps.ramp(-0.2, 0.25), streaks.ramp(-0.1, 0.28)])
                 .times(0.60),
         })
         .with(Layer::Mix {
@@ -248,8 +249,7 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         })
         // Cracks: dark specks on steep rock.
         .with(Layer::Brightness {
-            amount: product(vec![Field::Upward.ramp(0.80, 0.55), noise("cracks", 1.1, 2).ramp(0.12, 0.4)])
-                .times(-0.35 * k),
+            amount: product(vec![Field::Upward.ramp(0.80, 0.55), cracks.ramp(0.10, 0.45)]).times(-0.30 * k),
         })
         .with(Layer::Tint {
             tint: Bands::new(-0.6, -0.1, 0.5, 0.5),

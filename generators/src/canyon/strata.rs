@@ -247,9 +247,9 @@ fn profile(bottom_m: f64, beds: &[Bed], rng: &mut Rng) -> Vec<(f64, f64)> {
             let take = |thick: f64| if left - thick < 0.5 { left } else { thick };
             match bed.habit {
                 Habit::Cliff => {
-                    // Massive courses and thin ones, each set back by a ledge of 0.1 to 0.9 m.
+                    // Massive courses and thin ones, each set back by a ledge of 0.1 to 1 m.
                     let rise = take(rng.lognormal(3.0, 0.75).clamp(0.9, 16.0));
-                    let ledge = (rise * 0.25).min(rng.lognormal(0.17, 0.6).clamp(0.06, 0.5));
+                    let ledge = (rise * 0.25).min(rng.lognormal(0.28, 0.6).clamp(0.08, 0.8));
                     course(rise - ledge, rng.lognormal(24.0, 0.4).clamp(8.0, 50.0), &mut h);
                     course(ledge, rng.range(0.4, 0.9), &mut h);
                 }

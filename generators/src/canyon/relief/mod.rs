@@ -181,12 +181,13 @@ impl<'a> Relief<'a> {
         let keep = self.roughness * smoothstep(0.0, 6.0, climb);
         let (fold, scree) = (self.fold.at(p), worn.scree_m.bilinear(p));
         let wall = Wall { distance_m: d, climb_m: climb, height_m: self.top_m(p) - fold };
-        let mut hollows = undercuts.at(p, wall, |bed| self.bays(p, self.strata.cliff_foot(bed)) * keep);
+        let mut hollows =
+            undercuts.at(p, wall, |bed| (self.bays(p, self.strata.cliff_foot(bed)) + self.course(p, bed)) * keep);
         for hollow in &mut hollows {
             hollow.roof_m += fold;
             let mut floor = hollow.floor_m + fold;
             if scree > 0.02 {
-                floor = floor.max(self.strata.height_at(d) + fold + scree);
+                floor = floor.max(self.scree_top_m(p, d, scree));
             }
             hollow.floor_m = self.with_floor(p, floor);
         }
@@ -216,8 +217,7 @@ impl<'a> Relief<'a> {
                         let (block, _) = blocks(p, seeds.joints ^ salt, cell);
                         cliff = (foot, 0.75 * block + self.bays(p, foot));
                     }
-                    let own = fractal(p, seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 9.0, 3, 0.6);
-                    cliff.1 + 0.9 * own - self.notch(p, bed)
+                    cliff.1 + self.course(p, bed) - self.notch(p, bed)
                 }
                 Habit::Slope | Habit::Bench => fractal(p, seeds.joints ^ 0x99, 15.0, 4, 0.5) * 1.4,
                 Habit::Plateau => 0.0,
@@ -241,6 +241,11 @@ impl<'a> Relief<'a> {
         h + self.fold.at(p) + detail * rough * keep
     }
 
+    /// How far a bed stands before the bays of its cliff, m: no two beds of a wall have the same plan.
+    fn course(&self, p: DVec2, bed: usize) -> f64 {
+        2.4 * fractal(p, self.seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 13.0, 4, 0.5)
+    }
+
     /// How far the brow of a cliff is notched where joints have opened, m; 0 below its uppermost bed.
     fn notch(&self, p: DVec2, bed: usize) -> f64 {
         let beds = &self.strata.beds;
@@ -250,7 +255,7 @@ impl<'a> Relief<'a> {
         1.8 * smoothstep(0.45, 0.95, ridged(p, self.seeds.joints ^ 0x707, 8.5, 2, 0.5))
     }
 
-    /// Depth of the rills that run down slopes of soil and scree, m, about -0.4..0.4: noise smeared along the fall line,
+    /// Height of the ribs between the rills of slopes of soil and scree, m, negative in the rills, about -0.4..0.45: noise smeared along the fall line,
     /// so that their spacing is as uneven as the noise.
     fn rills(&self, p: DVec2, distance_m: f64, scree_m: f64) -> f64 {
         const REACH_M: f64 = 1.5;
@@ -264,11 +269,13 @@ impl<'a> Relief<'a> {
         let side = |dx: f64, dy: f64| d.bilinear(p + DVec2::new(dx, dy));
         let uphill = DVec2::new(side(3.0, 0.0) - side(-3.0, 0.0), side(0.0, 3.0) - side(0.0, -3.0));
         let along = uphill / uphill.length().max(1e-3);
-        let noise = |k: i32| fractal(p + along * (2.6 * f64::from(k)), self.seeds.scree ^ 0x5a5a, 5.2, 2, 0.5);
+        let noise = |k: i32| fractal(p + along * (2.8 * f64::from(k)), self.seeds.scree ^ 0x5a5a, 9.0, 3, 0.6);
         let smeared = (-2..=2).map(noise).sum::<f64>() / 5.0;
+        // Sharp in their beds, rounded between.
+        let rill = (smeared.abs() / 0.16).min(1.5) - 0.7;
         // Some stretches are hardly rilled at all.
         let vigour = smoothstep(-0.35, 0.45, fractal(p, self.seeds.scree ^ 0x77, 45.0, 2, 0.5));
-        2.2 * smeared.clamp(-0.25, 0.25) * loose * (0.25 + 0.75 * vigour)
+        0.55 * rill * loose * (0.25 + 0.75 * vigour)
     }
 
     fn detailed(&self, p: DVec2) -> f64 {
@@ -279,13 +286,20 @@ impl<'a> Relief<'a> {
         let mut z = self.rock(p, d, climb);
         let scree = worn.scree_m.bilinear(p);
         if scree > 0.02 {
-            // Scree lies on the smooth rock, not on its joints.
-            let base = self.strata.height_at(d) + self.fold.at(p);
             let rubble = fractal(p, self.seeds.ground ^ 0x1234, 4.0, 4, 0.65) * 0.22 * rough;
-            z = z.max(base + scree + rubble * smoothstep(0.0, 0.5, scree));
+            z = z.max(self.scree_top_m(p, d, scree) + rubble * smoothstep(0.0, 0.5, scree));
         }
         z += self.rills(p, d, scree) * rough * smoothstep(2.0, 8.0, climb);
         self.with_floor(p, z)
+    }
+
+    /// Height of scree's surface, m. It lies on the smooth rock, not on its joints, and the river takes away what comes
+    /// near its banks.
+    fn scree_top_m(&self, p: DVec2, distance_m: f64, scree_m: f64) -> f64 {
+        let base = self.strata.height_at(distance_m) + self.fold.at(p);
+        let bank = self.worn.bank_m.bilinear(p);
+        let kept = self.worn.level_m.bilinear(p) + 0.3 + 0.40 * bank.max(0.0);
+        if bank < 60.0 { (base + scree_m).min(kept.max(base)) } else { base + scree_m }
     }
 
     /// Alluvium of the main valley: river or wash, bars, terraces.

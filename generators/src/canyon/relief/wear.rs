@@ -13,7 +13,11 @@ use rayon::prelude::*;
 use satseed_scene::{Raster, hash_cell, unit_from_hash};
 
 /// The highest head of a fan above the river, m.
-const FAN_HEAD_M: f64 = 17.0;
+const FAN_HEAD_M: f64 = 22.0;
+/// Fans lean on walls up to this far from the floor, m.
+const FAN_CLIMB_M: f32 = 12.0;
+/// About how thick alluvium lies on the floor's edge, m.
+const ALLUVIUM_M: f64 = 4.0;
 
 /// What the making of the window leaves behind for materials and plants.
 pub(in super::super) struct Worn {
@@ -163,29 +167,28 @@ impl Relief<'_> {
 }
 
 impl Relief<'_> {
-    /// Fans and aprons that bury the low cliffs at the foot of the main valley's walls along about half of their length,
-    /// higher or lower as the noise along the valley has it.
+    /// Fans and aprons against the feet of the main valley's walls: as the noise along the valley has it they bury the
+    /// lowest cliff, reach some way up it, or are missing.
     fn fans(&self, rock: &Raster<f32>) -> Vec<Apex> {
         let (width, height) = (rock.width, rock.height);
         let mut apexes = Vec::new();
         for p in 0..width * height {
             let (i, j) = (p % width, p / width);
             let inward = i.min(j).min(width - 1 - i).min(height - 1 - j) as f64 * WORN_M;
-            let bank = f64::from(self.worn.bank_m.data[p]);
-            let above_m = f64::from(rock.data[p] - self.worn.level_m.data[p]);
-            if inward < 30.0 || !(2.0..100.0).contains(&bank) || !(1.0..FAN_HEAD_M).contains(&above_m) {
+            let (bank, climb) = (self.worn.bank_m.data[p], self.worn.climb_m.data[p]);
+            if inward < 30.0 || !(2.0..100.0).contains(&bank) || !(0.5..FAN_CLIMB_M).contains(&climb) {
                 continue;
             }
             let at = rock.position(i, j);
-            let head_m = FAN_HEAD_M * smoothstep(-0.06, 0.30, fractal(at, self.seeds.scree ^ 0xfa, 85.0, 3, 0.5));
-            if above_m < head_m {
-                apexes.push(Apex {
-                    at_m: at,
-                    height_m: f64::from(rock.data[p]) + 0.4,
-                    tangent: 0.36
-                        + 0.22 * f64::from(unit_from_hash(hash_cell(i as i32, j as i32, 7, self.seeds.scree))),
-                    max_cover_m: FAN_HEAD_M,
-                });
+            let level = f64::from(self.worn.level_m.data[p]);
+            let fold = self.fold.at(at);
+            let brow_m = self.strata.cliff_over(level - fold + ALLUVIUM_M).map_or(0.0, |c| c[1] + fold - level);
+            let highest_m = (brow_m + 3.0).clamp(8.0, FAN_HEAD_M);
+            let head_m = highest_m * smoothstep(-0.22, 0.10, fractal(at, self.seeds.scree ^ 0xfa, 85.0, 3, 0.5));
+            let height_m = (f64::from(rock.data[p]) + 0.4).min(level + head_m);
+            if height_m > level + 2.0 {
+                let uneven = f64::from(unit_from_hash(hash_cell(i as i32, j as i32, 7, self.seeds.scree)));
+                apexes.push(Apex { at_m: at, height_m, tangent: 0.36 + 0.22 * uneven, max_cover_m: FAN_HEAD_M });
             }
         }
         apexes
