@@ -247,9 +247,9 @@ fn profile(bottom_m: f64, beds: &[Bed], rng: &mut Rng) -> Vec<(f64, f64)> {
             let take = |thick: f64| if left - thick < 0.5 { left } else { thick };
             match bed.habit {
                 Habit::Cliff => {
-                    // Massive courses and thin ones, each set back by a ledge of 0.1 to 1 m.
-                    let rise = take(rng.lognormal(3.0, 0.75).clamp(0.9, 16.0));
-                    let ledge = (rise * 0.25).min(rng.lognormal(0.28, 0.6).clamp(0.08, 0.8));
+                    // Massive courses and thin ones, each set back by a ledge of up to half a metre.
+                    let rise = take(rng.lognormal(4.2, 0.7).clamp(1.0, 17.0));
+                    let ledge = (rise * 0.25).min(rng.lognormal(0.10, 0.6).clamp(0.04, 0.3));
                     course(rise - ledge, rng.lognormal(24.0, 0.4).clamp(8.0, 50.0), &mut h);
                     course(ledge, rng.range(0.4, 0.9), &mut h);
                 }

@@ -243,7 +243,7 @@ impl<'a> Relief<'a> {
 
     /// How far a bed stands before the bays of its cliff, m: no two beds of a wall have the same plan.
     fn course(&self, p: DVec2, bed: usize) -> f64 {
-        2.4 * fractal(p, self.seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 13.0, 4, 0.5)
+        1.7 * fractal(p, self.seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 13.0, 4, 0.5)
     }
 
     /// How far the brow of a cliff is notched where joints have opened, m; 0 below its uppermost bed.
@@ -252,7 +252,7 @@ impl<'a> Relief<'a> {
         if beds.get(bed + 1).is_some_and(|over| over.habit == Habit::Cliff) {
             return 0.0;
         }
-        1.8 * smoothstep(0.45, 0.95, ridged(p, self.seeds.joints ^ 0x707, 8.5, 2, 0.5))
+        smoothstep(0.45, 0.95, ridged(p, self.seeds.joints ^ 0x707, 8.5, 2, 0.5))
     }
 
     /// Height of the ribs between the rills of slopes of soil and scree, m, negative in the rills, about -0.4..0.45: noise smeared along the fall line,

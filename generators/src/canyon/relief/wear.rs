@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use satseed_scene::{Raster, hash_cell, unit_from_hash};
 
 /// The highest head of a fan above the river, m.
-const FAN_HEAD_M: f64 = 22.0;
+const FAN_HEAD_M: f64 = 15.0;
 /// Fans lean on walls up to this far from the floor, m.
 const FAN_CLIMB_M: f32 = 12.0;
 /// About how thick alluvium lies on the floor's edge, m.
@@ -184,7 +184,7 @@ impl Relief<'_> {
             let fold = self.fold.at(at);
             let brow_m = self.strata.cliff_over(level - fold + ALLUVIUM_M).map_or(0.0, |c| c[1] + fold - level);
             let highest_m = (brow_m + 3.0).clamp(8.0, FAN_HEAD_M);
-            let head_m = highest_m * smoothstep(-0.22, 0.10, fractal(at, self.seeds.scree ^ 0xfa, 85.0, 3, 0.5));
+            let head_m = highest_m * smoothstep(-0.06, 0.24, fractal(at, self.seeds.scree ^ 0xfa, 85.0, 3, 0.5));
             let height_m = (f64::from(rock.data[p]) + 0.4).min(level + head_m);
             if height_m > level + 2.0 {
                 let uneven = f64::from(unit_from_hash(hash_cell(i as i32, j as i32, 7, self.seeds.scree)));
