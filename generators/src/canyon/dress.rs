@@ -176,9 +176,18 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         fold.affine(-2.0 * FOLD_LIMIT_M as f32, FOLD_LIMIT_M as f32),
         raster(channel::BEDDING).affine(1.5, -0.75),
     ]);
+    let debris = Field::Sum(vec![
+        bedding.clone(),
+        raster(channel::TONE).affine(22.0, -4.0),
+        raster(channel::STAIN).affine(5.0, -2.5),
+    ]);
     let level = || Field::Upward.ramp(0.82, 0.95);
-    // Over the plan alone: vertical on what is steep.
-    let streaks = Field::Noise(Fractal::new(Space::Plan, seed("streaks"), 1.6, 3).gain(0.6));
+    // Streaks start at seeps and ledges and run some metres down: fields stretched along the height, each with ends of its
+    // own, within patches of wetter wall.
+    let streaks =
+        Field::Noise(Fractal::new(Space::World, seed("streaks"), 1.2, 3).gain(0.7).stretched([1.0, 1.0, 7.0]));
+    let seeps = Field::Noise(Fractal::new(Space::World, seed("seeps"), 9.0, 3).gain(0.7).stretched([1.0, 1.0, 0.7]));
+    let cracks = Field::Noise(Fractal::new(Space::World, seed("cracks"), 0.9, 3).gain(0.8).stretched([1.0, 1.0, 2.6]));
     let stony = Field::Max(vec![raster(channel::SCREE), Field::Upward.ramp(0.97, 0.8).times(0.6)]);
 
     let soil = Bands::new(0.112, 0.150, 0.208, 0.29);
@@ -194,22 +203,20 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
     let bare = Material::diffuse("rock", Class::Rock, strata.mean_color())
         .rough(0.4)
         .with(Layer::Strata { beds: strata.colors(), height: bedding, amount: Field::Constant(1.0) })
+        // Debris of the beds above lies on slopes, in tongues that reach down unevenly.
+        .with(Layer::Strata { beds: strata.colors(), height: debris, amount: Field::Upward.ramp(0.5, 0.72).times(0.5) })
         // Slopes are dusted over with what falls on them, and lose some of their beds' colour; hollows more than ribs.
         .with(Layer::Mix {
             color: soil,
             amount: product(vec![
                 Field::Upward.ramp(0.5, 0.7),
-                Field::Sum(vec![Field::Upward.ramp(0.60, 0.98).times(0.50), raster(channel::DUST).affine(1.2, -0.6)]),
+                Field::Sum(vec![Field::Upward.ramp(0.60, 0.98).times(0.32), raster(channel::DUST).affine(1.2, -0.36)]),
             ]),
         })
         .with(Layer::Mix {
             color: varnished,
-            amount: product(vec![
-                Field::Upward.ramp(0.62, 0.3),
-                raster(channel::TONE).ramp(0.35, 0.6),
-                streaks.ramp(0.0, 0.35),
-            ])
-            .times(0.62),
+            amount: product(vec![Field::Upward.ramp(0.62, 0.3), seeps.ramp(-0.2, 0.25), streaks.ramp(-0.1, 0.28)])
+                .times(0.60),
         })
         .with(Layer::Mix {
             color: rubble,
@@ -242,15 +249,14 @@ pub(super) fn materials(strata: &Strata, is_dry: bool, contrast: f64, path: &See
         })
         // Cracks: dark specks on steep rock.
         .with(Layer::Brightness {
-            amount: product(vec![Field::Upward.ramp(0.80, 0.55), noise("cracks", 1.1, 2).ramp(0.12, 0.4)])
-                .times(-0.35 * k),
+            amount: product(vec![Field::Upward.ramp(0.80, 0.55), cracks.ramp(0.10, 0.45)]).times(-0.30 * k),
         })
         .with(Layer::Tint {
             tint: Bands::new(-0.6, -0.1, 0.5, 0.5),
             amount: raster(channel::HUE).affine(0.2 * k, -0.1 * k),
         })
         .with(Layer::Brightness {
-            amount: raster(channel::WET).ramp(0.38, 0.5).times(if is_dry { 0.14 } else { -0.36 }),
+            amount: raster(channel::WET).ramp(0.2, 0.46).times(if is_dry { 0.14 } else { -0.36 }),
         })
         .bumpy(Field::Noise(Fractal::new(Space::World, seed("bump"), 1.7, 2).gain(0.8)), 0.09);
     let as_class = |name: &str, class: Class| Material { name: name.to_owned(), class, ..bare.clone() };

@@ -146,8 +146,7 @@ pub(crate) fn build(params: &Params, path: SeedPath) -> Scene {
 /// A tile and the slabs over it as one mesh, with normals of the source raster and the material slot of each triangle.
 fn dressed(tile: TileMesh, slabs: Mesh, relief: &Relief<'_>, river: &River, is_dry: bool) -> Mesh {
     let TileMesh { positions_m, triangles } = tile;
-    let normals =
-        positions_m.iter().map(|p| normal_of_slope(relief.slope(DVec2::new(p[0].into(), p[1].into())))).collect();
+    let normals = positions_m.iter().map(|p| normal_at(relief, DVec2::new(p[0].into(), p[1].into()))).collect();
     let mut mesh = Mesh { positions_m, triangles, normals, ..Mesh::default() };
     mesh.append(slabs);
     mesh.slots = (0..mesh.triangles.len())
@@ -169,6 +168,13 @@ fn dressed(tile: TileMesh, slabs: Mesh, relief: &Relief<'_>, river: &River, is_d
         })
         .collect();
     mesh
+}
+
+/// The source raster's normal; straight up on the banks' lines, from where the water's surface has its normals.
+fn normal_at(relief: &Relief<'_>, p: DVec2) -> [f32; 3] {
+    let is_within = p.abs().max_element() < -relief.window.origin_m.x;
+    let is_bank = is_within && relief.cover(p).bank_m < 0.5;
+    normal_of_slope(if is_bank { DVec2::ZERO } else { relief.slope(p) })
 }
 
 /// The river's area between its banks, for asking whether a place lies in it.

@@ -7,7 +7,7 @@ use crate::kit::shrub::shrub;
 use crate::kit::terrain::noise::fractal;
 use crate::kit::terrain::sampling::smoothstep;
 use crate::kit::terrain::tin::Ground;
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use satseed_scene::{Bands, Brdf, Class, Field, Layer, Material, Scene, SeedPath};
 
 /// Different meshes of blocks and of shrubs.
@@ -42,14 +42,15 @@ fn block_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> 
     let clumps = smoothstep(-0.1, 0.35, fractal(p, path.hash_u32(), 24.0, 3, 0.5));
     let share = 0.006
         + 0.30 * scree * (0.25 + 0.75 * clumps)
-        + 0.12 * clumps * smoothstep(4.0, 9.0, cover.climb_m) * smoothstep(60.0, 20.0, cover.climb_m);
+        + 0.12 * clumps * smoothstep(4.0, 9.0, cover.climb_m) * smoothstep(60.0, 20.0, cover.climb_m)
+        + fallen(relief, p) * (0.15 + 0.85 * clumps);
     if cell.draw(path.hash_u32()) > share {
         return None;
     }
     let mut rng = cell.key(path).rng();
     let p = cell.point(rng.unit(), rng.unit());
     // Pareto: number above a size falls with the power -1.8, density with -2.8.
-    let size = (0.5 * libm::pow(1.0 - rng.unit(), -1.0 / 1.8)).min(4.0);
+    let size = (0.55 * libm::pow(1.0 - rng.unit(), -1.0 / 1.7)).min(4.0);
     let slope = relief.slope(p);
     if slope.length() > 1.3 || !relief.is_open(p, 0.6 * size) {
         return None;
@@ -70,6 +71,12 @@ fn block_at(relief: &Relief<'_>, path: &SeedPath, cell: Cell) -> Option<Placed> 
         mesh: rng.below(VARIANTS as u64) as u32,
         path: cell.name("block"),
     })
+}
+
+/// Share of cells with a block that fell from the cliff above: most at its foot and below high cliffs.
+fn fallen(relief: &Relief<'_>, p: DVec2) -> f64 {
+    let Some([away_m, cliff_m]) = relief.below_cliff_m(p) else { return 0.0 };
+    0.20 * smoothstep(36.0, 1.0, away_m) * smoothstep(1.5, 14.0, cliff_m)
 }
 
 /// Shrubs stand along the wash, on shaded slopes, and in the plateau's soil, where low scrub is between them.

@@ -49,7 +49,9 @@ const RED_SANDSTONE: Bands = Bands::new(0.085, 0.135, 0.255, 0.34);
 const BUFF_SANDSTONE: Bands = Bands::new(0.175, 0.235, 0.32, 0.40);
 const LIMESTONE: Bands = Bands::new(0.215, 0.265, 0.32, 0.37);
 const SHALE: Bands = Bands::new(0.125, 0.145, 0.175, 0.22);
-const GREEN_SHALE: Bands = Bands::new(0.13, 0.16, 0.165, 0.22);
+const GREEN_SHALE: Bands = Bands::new(0.13, 0.155, 0.172, 0.22);
+/// What soft beds weather to, whatever they are.
+const WEATHERED: Bands = Bands::new(0.115, 0.15, 0.198, 0.26);
 const RED_MUDSTONE: Bands = Bands::new(0.07, 0.10, 0.175, 0.25);
 const PALE_SILTSTONE: Bands = Bands::new(0.17, 0.205, 0.25, 0.30);
 
@@ -162,6 +164,14 @@ impl Strata {
         self.cliff_feet[bed]
     }
 
+    /// Foot and top (stratigraphic, m) of the cliff that a height lies in, or of the next one above it.
+    pub(super) fn cliff_over(&self, height_m: f64) -> Option<[f64; 2]> {
+        let is_cliff = |b: &usize| self.beds[*b].habit == Habit::Cliff;
+        let first = (self.bed_at(height_m)..self.beds.len()).find(is_cliff)?;
+        let last = (first..self.beds.len()).take_while(is_cliff).last()?;
+        Some([self.base_m(self.cliff_feet[first]), self.beds[last].top_m])
+    }
+
     /// Where in the profile a bed begins, m.
     pub(super) fn start_m(&self, bed: usize) -> f64 {
         self.starts_m[bed]
@@ -205,11 +215,12 @@ fn bed_color(habit: Habit, rng: &mut Rng) -> Bands {
     let palette: &[(Bands, f64)] = match habit {
         Habit::Cliff => &[(RED_SANDSTONE, 3.0), (BUFF_SANDSTONE, 2.0), (LIMESTONE, 1.6), (PALE_SILTSTONE, 0.6)],
         Habit::Plateau => &[(BUFF_SANDSTONE, 2.0), (RED_SANDSTONE, 1.5), (PALE_SILTSTONE, 1.5)],
-        Habit::Slope | Habit::Bench => &[(RED_MUDSTONE, 2.5), (SHALE, 2.0), (GREEN_SHALE, 0.8), (PALE_SILTSTONE, 1.5)],
+        Habit::Slope | Habit::Bench => &[(RED_MUDSTONE, 2.5), (SHALE, 2.0), (GREEN_SHALE, 0.25), (PALE_SILTSTONE, 0.8)],
     };
     let weights: Vec<f64> = palette.iter().map(|p| p.1).collect();
-    let color = palette[rng.weighted(&weights)].0;
-    shifted(color, rng, 0.14)
+    let fresh = palette[rng.weighted(&weights)].0;
+    let weathered = if matches!(habit, Habit::Slope | Habit::Bench) { 0.5 } else { 0.0 };
+    shifted(fresh.lerp(WEATHERED, weathered), rng, 0.14)
 }
 
 /// A colour a little brighter or darker and a little greyer or stronger.
@@ -236,10 +247,11 @@ fn profile(bottom_m: f64, beds: &[Bed], rng: &mut Rng) -> Vec<(f64, f64)> {
             let take = |thick: f64| if left - thick < 0.5 { left } else { thick };
             match bed.habit {
                 Habit::Cliff => {
-                    let rise = take(rng.lognormal(5.0, 0.6).clamp(1.2, 18.0));
-                    let ledge = (rise * 0.03).min(0.15);
+                    // Massive courses and thin ones, each set back by a ledge of up to half a metre.
+                    let rise = take(rng.lognormal(4.2, 0.7).clamp(1.0, 17.0));
+                    let ledge = (rise * 0.25).min(rng.lognormal(0.10, 0.6).clamp(0.04, 0.3));
                     course(rise - ledge, rng.lognormal(24.0, 0.4).clamp(8.0, 50.0), &mut h);
-                    course(ledge, rng.range(0.5, 1.5), &mut h);
+                    course(ledge, rng.range(0.4, 0.9), &mut h);
                 }
                 Habit::Slope if rng.chance(0.3) && left > 2.5 => {
                     course(rng.range(0.5, 1.6), rng.range(2.0, 4.0), &mut h);

@@ -13,7 +13,7 @@ const BEFORE_M: f64 = 3.5;
 /// The deepest hollow, m.
 const DEEPEST_M: f64 = 9.0;
 /// Hollows end this far within the radius of full detail, m.
-const FADE_M: [f64; 2] = [4.0, 20.0];
+const FADE_M: [f64; 2] = [4.0, 10.0];
 
 /// A bed below which rock is worn back.
 struct Foot {
@@ -74,7 +74,7 @@ impl Undercuts {
                 height_m: strata.base_m(bed),
                 seam_m: (if soft { 1.3 + 1.4 * draw(bed, 1) } else { 0.9 + 0.9 * draw(bed, 1) }).min(0.7 * below),
                 depth_m: if soft { 1.8 + 2.0 * draw(bed, 2) } else { 0.9 + 1.3 * draw(bed, 2) },
-                extent: if soft { -0.8 } else { 0.9 * draw(bed, 3) - 1.9 },
+                extent: if soft { -0.7 } else { 0.9 * draw(bed, 3) - 1.78 },
                 arch_m: if massive { (3.5 + 6.0 * draw(bed, 4)).min(0.7 * thick) } else { 0.0 },
                 alcove_m: 3.0 + 3.5 * draw(bed, 5),
                 seed: hash_cell(bed as i32, 3, 0, seed),

@@ -14,8 +14,15 @@ const DOMAIN_M: f64 = 2048.0;
 const STEP_M: f64 = 6.0;
 /// Area that makes a channel, m2.
 const CHANNEL_AREA_M2: f32 = 5000.0;
+/// Passes of a three-point mean over the river's way from side to side of its floor: bends of some tens of metres.
+const BEND_PASSES: usize = 40;
 /// Fall of the river, m per m.
 const RIVER_GRADIENT: f64 = 0.004;
+/// Area whose water saws through a cliff 12 m high, m2.
+const SAWING_AREA_M2: f64 = 45_000.0;
+/// Channels of larger areas are no wider, m2.
+const MAX_WIDTH_AREA_M2: f64 = 4e5;
+
 /// How much farther than a mean bed a channel's step cuts into a bed of each kind in the same time.
 fn erodibility(habit: Habit) -> f32 {
     match habit {
@@ -121,12 +128,12 @@ impl Trunk {
             (0..n).map(|k| (floor * (1.0 + 0.9 * noise(k, 2, 220.0))).clamp(widest(k) + 4.0, 60.0)).collect();
         let normals: Vec<DVec2> =
             (0..n).map(|k| (axis_m[(k + 1).min(n - 1)] - axis_m[k.saturating_sub(1)]).normalize().perp()).collect();
-        let thread_m = (0..n)
-            .map(|k| {
-                let room = floor_half_m[k] - widest(k) - 1.0;
-                axis_m[k] + normals[k] * (room * (1.9 * noise(k, 3, 260.0)).clamp(-1.0, 1.0))
-            })
-            .collect();
+        // Alluvial rivers have no elbows: where the floor narrows the thread is eased from afar.
+        let aside: Vec<f64> =
+            (0..n).map(|k| (floor_half_m[k] - widest(k) - 1.0) * (1.9 * noise(k, 3, 260.0)).clamp(-1.0, 1.0)).collect();
+        let aside = eased(aside, BEND_PASSES);
+        let axis_of_thread_m = eased(axis_m.clone(), BEND_PASSES / 4);
+        let thread_m = (0..n).map(|k| axis_of_thread_m[k] + normals[k] * aside[k]).collect();
         let level_m = (0..n).map(|k| RIM_M - relief_m - along(k) * RIVER_GRADIENT * 0.8).collect();
         Self { axis_m, thread_m, floor_half_m, river_half_m, level_m, is_dry }
     }
@@ -138,6 +145,20 @@ impl Trunk {
         let last = self.axis_m.iter().rposition(near).unwrap_or(0);
         first.saturating_sub(20)..(last + 20).min(self.axis_m.len() - 1)
     }
+}
+
+/// A row of values after passes of a three-point mean; the ends stay.
+fn eased<T>(mut values: Vec<T>, passes: usize) -> Vec<T>
+where
+    T: Copy + core::ops::Add<Output = T> + core::ops::Mul<f64, Output = T>,
+{
+    for _ in 0..passes {
+        let old = values.clone();
+        for k in 1..old.len() - 1 {
+            values[k] = old[k] * 0.5 + (old[k - 1] + old[k + 1]) * 0.25;
+        }
+    }
+    values
 }
 
 /// What water cut: channels as sources of walls.
@@ -257,6 +278,18 @@ fn lateral_distance(trunk: &Trunk, shape: &Raster<f32>) -> Raster<f32> {
     crate::kit::terrain::front::rise(shape, &sources, 4.0 * DOMAIN_M).0
 }
 
+/// Stratigraphic height of a channel's bed. A small stream does not saw through a cliff: it runs in a shallow groove on top
+/// of it up to a fall, whose head stands back from the foot. The more water, the higher the cliff that it saws through.
+fn hung(strata: &Strata, height_m: f64, area_m2: f64) -> f64 {
+    let Some([foot_m, top_m]) = strata.cliff_over(height_m) else { return height_m };
+    let cliff_m = top_m - foot_m;
+    let head_m = (1.0 + 0.12 * cliff_m).min(6.0);
+    if height_m < foot_m - head_m || area_m2 > SAWING_AREA_M2 * (cliff_m / 12.0).clamp(0.6, 4.0) {
+        return height_m;
+    }
+    top_m
+}
+
 /// Channels as links between smoothed points: the grid's eight directions must not show.
 fn tributaries(strata: &Strata, fold: &Fold, trunk: &Trunk, eroded: &Eroded, seed: u32) -> Vec<Source> {
     let Eroded { z, drainage, area_m2, is_trunk } = eroded;
@@ -291,8 +324,12 @@ fn tributaries(strata: &Strata, fold: &Fold, trunk: &Trunk, eroded: &Eroded, see
         }
     }
     let place = |p: usize| if is_trunk[p] { at[p] } else { warp(at[p], seed, 34.0, 5.0) };
-    let value = |p: usize| strata.distance_of(f64::from(z.data[p]) - fold.at(at[p]));
-    let half_width = |p: usize| (0.004 * f64::from(area_m2[p]).sqrt() * 2.0).min(5.0);
+    let value = |p: usize| {
+        let height_m = f64::from(z.data[p]) - fold.at(at[p]);
+        let height_m = if is_trunk[p] { height_m } else { hung(strata, height_m, f64::from(area_m2[p])) };
+        strata.distance_of(height_m)
+    };
+    let half_width = |p: usize| 0.03 * libm::pow(f64::from(area_m2[p]).min(MAX_WIDTH_AREA_M2), 0.45);
     drainage
         .order
         .iter()

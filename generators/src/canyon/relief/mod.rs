@@ -141,8 +141,10 @@ impl<'a> Relief<'a> {
         // Walls are not parallel to their channels: rock is uneven at every scale.
         let uneven =
             fractal(p, self.seeds.plan, 110.0, 5, 0.55) * 16.0 + ridged(p, self.seeds.plan ^ 0x3c, 46.0, 2, 0.5) * 2.5;
+        // Bays and buttresses no farther apart than a wall is thick, so that brows cast no straight shadows.
+        let brows = fractal(p, self.seeds.plan ^ 0x91, 21.0, 3, 0.45) * 5.5 * smoothstep(2.0, 16.0, climb);
         let keep = smoothstep(0.0, 30.0, climb);
-        ((d + uneven * keep).max(d - climb), climb)
+        ((d + uneven * keep + brows).max(d - climb), climb)
     }
 
     /// The full-detail heights, then a way down for every post.
@@ -179,12 +181,13 @@ impl<'a> Relief<'a> {
         let keep = self.roughness * smoothstep(0.0, 6.0, climb);
         let (fold, scree) = (self.fold.at(p), worn.scree_m.bilinear(p));
         let wall = Wall { distance_m: d, climb_m: climb, height_m: self.top_m(p) - fold };
-        let mut hollows = undercuts.at(p, wall, |bed| self.bays(p, self.strata.cliff_foot(bed)) * keep);
+        let mut hollows =
+            undercuts.at(p, wall, |bed| (self.bays(p, self.strata.cliff_foot(bed)) + self.course(p, bed)) * keep);
         for hollow in &mut hollows {
             hollow.roof_m += fold;
             let mut floor = hollow.floor_m + fold;
             if scree > 0.02 {
-                floor = floor.max(self.strata.height_at(d) + fold + scree);
+                floor = floor.max(self.scree_top_m(p, d, scree));
             }
             hollow.floor_m = self.with_floor(p, floor);
         }
@@ -214,8 +217,7 @@ impl<'a> Relief<'a> {
                         let (block, _) = blocks(p, seeds.joints ^ salt, cell);
                         cliff = (foot, 0.75 * block + self.bays(p, foot));
                     }
-                    let own = fractal(p, seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 11.0, 3, 0.5);
-                    cliff.1 + 0.7 * own
+                    cliff.1 + self.course(p, bed) - self.notch(p, bed)
                 }
                 Habit::Slope | Habit::Bench => fractal(p, seeds.joints ^ 0x99, 15.0, 4, 0.5) * 1.4,
                 Habit::Plateau => 0.0,
@@ -239,6 +241,43 @@ impl<'a> Relief<'a> {
         h + self.fold.at(p) + detail * rough * keep
     }
 
+    /// How far a bed stands before the bays of its cliff, m: no two beds of a wall have the same plan.
+    fn course(&self, p: DVec2, bed: usize) -> f64 {
+        1.7 * fractal(p, self.seeds.joints ^ (bed as u32).wrapping_mul(0x85eb), 13.0, 4, 0.5)
+    }
+
+    /// How far the brow of a cliff is notched where joints have opened, m; 0 below its uppermost bed.
+    fn notch(&self, p: DVec2, bed: usize) -> f64 {
+        let beds = &self.strata.beds;
+        if beds.get(bed + 1).is_some_and(|over| over.habit == Habit::Cliff) {
+            return 0.0;
+        }
+        smoothstep(0.45, 0.95, ridged(p, self.seeds.joints ^ 0x707, 8.5, 2, 0.5))
+    }
+
+    /// Height of the ribs between the rills of slopes of soil and scree, m, negative in the rills, about -0.4..0.45: noise smeared along the fall line,
+    /// so that their spacing is as uneven as the noise.
+    fn rills(&self, p: DVec2, distance_m: f64, scree_m: f64) -> f64 {
+        const REACH_M: f64 = 1.5;
+        let of = |d: f64| self.strata.height_at(d);
+        let fall = (of(distance_m + REACH_M) - of(distance_m - REACH_M)) / (2.0 * REACH_M);
+        let loose = (smoothstep(0.25, 0.45, fall) * smoothstep(1.3, 0.9, fall)).max(smoothstep(0.3, 1.0, scree_m));
+        if loose < 0.02 {
+            return 0.0;
+        }
+        let d = &self.worn.distance_m;
+        let side = |dx: f64, dy: f64| d.bilinear(p + DVec2::new(dx, dy));
+        let uphill = DVec2::new(side(3.0, 0.0) - side(-3.0, 0.0), side(0.0, 3.0) - side(0.0, -3.0));
+        let along = uphill / uphill.length().max(1e-3);
+        let noise = |k: i32| fractal(p + along * (2.8 * f64::from(k)), self.seeds.scree ^ 0x5a5a, 9.0, 3, 0.6);
+        let smeared = (-2..=2).map(noise).sum::<f64>() / 5.0;
+        // Sharp in their beds, rounded between.
+        let rill = (smeared.abs() / 0.16).min(1.5) - 0.7;
+        // Some stretches are hardly rilled at all.
+        let vigour = smoothstep(-0.35, 0.45, fractal(p, self.seeds.scree ^ 0x77, 45.0, 2, 0.5));
+        0.55 * rill * loose * (0.25 + 0.75 * vigour)
+    }
+
     fn detailed(&self, p: DVec2) -> f64 {
         let worn = &self.worn;
         let d = bicubic(&worn.distance_m, p);
@@ -247,19 +286,27 @@ impl<'a> Relief<'a> {
         let mut z = self.rock(p, d, climb);
         let scree = worn.scree_m.bilinear(p);
         if scree > 0.02 {
-            // Scree lies on the smooth rock, not on its joints.
-            let base = self.strata.height_at(d) + self.fold.at(p);
             let rubble = fractal(p, self.seeds.ground ^ 0x1234, 4.0, 4, 0.65) * 0.22 * rough;
-            z = z.max(base + scree + rubble * smoothstep(0.0, 0.5, scree));
+            z = z.max(self.scree_top_m(p, d, scree) + rubble * smoothstep(0.0, 0.5, scree));
         }
+        z += self.rills(p, d, scree) * rough * smoothstep(2.0, 8.0, climb);
         self.with_floor(p, z)
+    }
+
+    /// Height of scree's surface, m. It lies on the smooth rock, not on its joints, and the river takes away what comes
+    /// near its banks.
+    fn scree_top_m(&self, p: DVec2, distance_m: f64, scree_m: f64) -> f64 {
+        let base = self.strata.height_at(distance_m) + self.fold.at(p);
+        let bank = self.worn.bank_m.bilinear(p);
+        let kept = self.worn.level_m.bilinear(p) + 0.3 + 0.40 * bank.max(0.0);
+        if bank < 60.0 { (base + scree_m).min(kept.max(base)) } else { base + scree_m }
     }
 
     /// Alluvium of the main valley: river or wash, bars, terraces.
     fn with_floor(&self, p: DVec2, z: f64) -> f64 {
         let worn = &self.worn;
         let bank = bicubic(&worn.bank_m, p);
-        if bank > 70.0 {
+        if bank > 110.0 {
             return z;
         }
         let level = worn.level_m.bilinear(p);
@@ -285,7 +332,7 @@ impl<'a> Relief<'a> {
             + 0.03 * bank
             + ground;
         // Alluvium laps onto the walls' feet, and ends there.
-        z.max(floor - 8.0 * smoothstep(45.0, 70.0, bank))
+        z.max(floor - 9.0 * smoothstep(60.0, 110.0, bank))
     }
 
     /// The banks of the river, or of the dry wash, as lines from upstream down, left and right.
@@ -327,6 +374,13 @@ impl<'a> Relief<'a> {
         let over = |q: DVec2| self.top_m(q) - self.window.bilinear(q);
         let around = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
         around.iter().all(|side| over(p + *side * radius_m) < 0.1)
+    }
+
+    /// How far on the plane a place lies from the foot of the next cliff above it, m, and that cliff's height, m.
+    pub(super) fn below_cliff_m(&self, p: DVec2) -> Option<[f64; 2]> {
+        let d = self.worn.distance_m.bilinear(p);
+        let [foot_m, top_m] = self.strata.cliff_over(self.strata.height_at(d))?;
+        Some([(self.strata.distance_of(foot_m) - d).max(0.0), top_m - foot_m])
     }
 
     /// What covers a place.

@@ -12,6 +12,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 use satseed_scene::{Raster, hash_cell, unit_from_hash};
 
+/// The highest head of a fan above the river, m.
+const FAN_HEAD_M: f64 = 15.0;
+/// Fans lean on walls up to this far from the floor, m.
+const FAN_CLIMB_M: f32 = 12.0;
+/// About how thick alluvium lies on the floor's edge, m.
+const ALLUVIUM_M: f64 = 4.0;
+
 /// What the making of the window leaves behind for materials and plants.
 pub(in super::super) struct Worn {
     /// Distance in the strata's profile.
@@ -51,14 +58,23 @@ impl Relief<'_> {
             Habit::Plateau => 0.25,
         };
         let ease: Vec<f32> = self.strata.beds.iter().map(|b| ease(b.habit)).collect();
+        // Some stretches of wall are gullied deeply and others hardly, or the gullies would keep one distance.
+        let vigour: Vec<f32> = (0..width * height)
+            .into_par_iter()
+            .map(|p| {
+                let at = shape.position(p % width, p / width);
+                let share = smoothstep(-0.30, 0.55, fractal(at, self.seeds.plan ^ 0x2b, 75.0, 3, 0.55));
+                (0.2 + 3.4 * share * share) as f32
+            })
+            .collect();
         let steps = 10;
         let total = 0.42_f32;
         let mut area = vec![0.0; width * height];
         for _ in 0..steps {
             let drainage = fill_and_drain(&mut d, self.seeds.plan, outlet);
             area = drainage.area_m2(WORN_M);
-            stream_power(&mut d, &drainage, &area, |_, v| {
-                total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
+            stream_power(&mut d, &drainage, &area, |p, v| {
+                vigour[p] * total / steps as f32 * ease[self.strata.bed_at(self.strata.height_at(f64::from(v)))]
             });
             diffuse(&mut d, 0.12, outlet);
         }
@@ -143,9 +159,39 @@ impl Relief<'_> {
                 });
             }
         }
+        apexes.extend(self.fans(&rock));
         let mut scree = cones(&rock, &apexes);
         settle(&rock, &mut scree, 0.74, 8);
         self.worn.scree_m = scree;
+    }
+}
+
+impl Relief<'_> {
+    /// Fans and aprons against the feet of the main valley's walls: as the noise along the valley has it they bury the
+    /// lowest cliff, reach some way up it, or are missing.
+    fn fans(&self, rock: &Raster<f32>) -> Vec<Apex> {
+        let (width, height) = (rock.width, rock.height);
+        let mut apexes = Vec::new();
+        for p in 0..width * height {
+            let (i, j) = (p % width, p / width);
+            let inward = i.min(j).min(width - 1 - i).min(height - 1 - j) as f64 * WORN_M;
+            let (bank, climb) = (self.worn.bank_m.data[p], self.worn.climb_m.data[p]);
+            if inward < 30.0 || !(2.0..100.0).contains(&bank) || !(0.5..FAN_CLIMB_M).contains(&climb) {
+                continue;
+            }
+            let at = rock.position(i, j);
+            let level = f64::from(self.worn.level_m.data[p]);
+            let fold = self.fold.at(at);
+            let brow_m = self.strata.cliff_over(level - fold + ALLUVIUM_M).map_or(0.0, |c| c[1] + fold - level);
+            let highest_m = (brow_m + 3.0).clamp(8.0, FAN_HEAD_M);
+            let head_m = highest_m * smoothstep(-0.06, 0.24, fractal(at, self.seeds.scree ^ 0xfa, 85.0, 3, 0.5));
+            let height_m = (f64::from(rock.data[p]) + 0.4).min(level + head_m);
+            if height_m > level + 2.0 {
+                let uneven = f64::from(unit_from_hash(hash_cell(i as i32, j as i32, 7, self.seeds.scree)));
+                apexes.push(Apex { at_m: at, height_m, tangent: 0.36 + 0.22 * uneven, max_cover_m: FAN_HEAD_M });
+            }
+        }
+        apexes
     }
 }
 
