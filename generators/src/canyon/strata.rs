@@ -67,7 +67,7 @@ impl Strata {
         let (first, last) = (self.bed_at(RIM_M - relief_m), self.bed_at(RIM_M - 0.01));
         let thick = |b: usize| self.beds[b].top_m - self.base_m(b);
         let cliff: f64 = (first..=last).filter(|b| self.beds[*b].habit == Habit::Cliff).map(thick).sum();
-        (12..=30).contains(&(last + 1 - first)) && (0.72..0.79).contains(&(cliff / relief_m))
+        (12..=30).contains(&(last + 1 - first)) && (0.69..0.76).contains(&(cliff / relief_m))
     }
 
     fn draw(relief_m: f64, path: &SeedPath) -> Self {
