@@ -76,9 +76,10 @@ fn between<const N: usize>(corners: &[Corner; N]) -> Option<[core::ops::Range<us
         }
     }
     let [west, east, south, north] = most;
-    let none = (west + east < 0) | (south + north < 0);
+    // No branch between the two: which of them sends a triangle away is not to be foreseen.
+    let least = (west + east).min(south + north);
     let range = |low: i32, high: i32| (-low) as usize..(high + 1) as usize;
-    (!none).then(|| [range(west, east), range(south, north)])
+    (least >= 0).then(|| [range(west, east), range(south, north)])
 }
 
 /// A vertical line's way through a surface, in one number, so that hundreds of millions sort quickly. In their order they go

@@ -210,7 +210,7 @@ impl Dunes {
     }
 
     /// The direction in which the lee deepens: down the slip face where it leaves its brink.
-    pub(super) fn into_lee(&self, p: DVec2) -> DVec2 {
+    pub(super) fn toward_lee(&self, p: DVec2) -> DVec2 {
         let e = 0.25 * self.cell_m;
         let at = |x: f64, y: f64| self.fields(p + DVec2::new(x, y))[2];
         DVec2::new(at(e, 0.0) - at(-e, 0.0), at(0.0, e) - at(0.0, -e)).normalize_or_zero()

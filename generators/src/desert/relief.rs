@@ -200,7 +200,7 @@ impl Relief {
         let lee = self.dunes.sand(p).lee;
         let in_wind = lee < 1.12;
         // The cones of a brink fall on both sides of it: the slip face is asked for where only one of them is near.
-        let p = if face == Face::Slip && lee < 2.2 { p + self.dunes.into_lee(p) * (1.5 * e) } else { p };
+        let p = if face == Face::Slip && lee < 2.2 { p + self.dunes.toward_lee(p) * (1.5 * e) } else { p };
         let z = |x: f64, y: f64| {
             let p = p + DVec2::new(x, y);
             let ground = self.ground_m(p);
