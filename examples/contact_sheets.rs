@@ -59,7 +59,8 @@ fn main() -> anyhow::Result<()> {
             let mut from_above = develop([whole, crops].concat(), SENSOR);
             sheets[1].push(from_above.split_off(count));
             sheets[0].push(from_above);
-            sheets[2].push(develop(oblique, SENSOR));
+            // There is much more air before some oblique views than before others.
+            sheets[2].push(oblique.into_iter().flat_map(|view| develop(vec![view], SENSOR)).collect());
         }
         // The frames from above stand in one row.
         let nadir: Vec<Image> = sheets[0].drain(..).flatten().collect();

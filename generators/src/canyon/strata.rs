@@ -67,7 +67,7 @@ impl Strata {
         let (first, last) = (self.bed_at(RIM_M - relief_m), self.bed_at(RIM_M - 0.01));
         let thick = |b: usize| self.beds[b].top_m - self.base_m(b);
         let cliff: f64 = (first..=last).filter(|b| self.beds[*b].habit == Habit::Cliff).map(thick).sum();
-        (12..=30).contains(&(last + 1 - first)) && (0.69..0.76).contains(&(cliff / relief_m))
+        (12..=30).contains(&(last + 1 - first)) && (0.69..0.775).contains(&(cliff / relief_m))
     }
 
     fn draw(relief_m: f64, path: &SeedPath) -> Self {
@@ -249,9 +249,9 @@ fn profile(bottom_m: f64, beds: &[Bed], rng: &mut Rng) -> Vec<(f64, f64)> {
                 Habit::Cliff => {
                     // Massive courses and thin ones, each set back by a ledge of up to half a metre.
                     let rise = take(rng.lognormal(4.2, 0.7).clamp(1.0, 17.0));
-                    let ledge = (rise * 0.25).min(rng.lognormal(0.10, 0.6).clamp(0.04, 0.3));
+                    let ledge = (rise * 0.25).min(rng.lognormal(0.08, 0.6).clamp(0.04, 0.24));
                     course(rise - ledge, rng.lognormal(24.0, 0.4).clamp(8.0, 50.0), &mut h);
-                    course(ledge, rng.range(0.4, 0.9), &mut h);
+                    course(ledge, rng.range(0.5, 1.1), &mut h);
                 }
                 Habit::Slope if rng.chance(0.3) && left > 2.5 => {
                     course(rng.range(0.5, 1.6), rng.range(2.0, 4.0), &mut h);

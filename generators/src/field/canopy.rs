@@ -29,7 +29,7 @@ const WANDER_M: f64 = 0.22;
 /// Share of a wheel's track that plants at its sides close at most.
 const CLOSED: f64 = 0.72;
 /// Height of plants beside a wheel's track, and at a parcel's rim, as shares of those within.
-const BESIDE: f64 = 0.68;
+const BESIDE: f64 = 0.8;
 const AT_RIM: f64 = 0.42;
 /// How far the sides go below the ground, m.
 const ROOT_M: f64 = 0.35;
@@ -355,7 +355,7 @@ impl Canopy<'_> {
                 let p = Relief::on_lattice(p);
                 let d = |x: f64, y: f64| self.top_m(p + DVec2::new(x, y)) - self.top_m(p - DVec2::new(x, y));
                 let normal = DVec3::new(-d(e, 0.0), -d(0.0, e), 2.0 * e).normalize();
-                let plants_m = self.plants_m(p) * share;
+                let plants_m = (self.plants_m(p) * share).max(0.1);
                 mesh.positions_m.push([p.x as f32, p.y as f32, quantise_m(self.relief.height_m(p) + plants_m)]);
                 mesh.normals.push(normal.as_vec3().to_array());
             }
