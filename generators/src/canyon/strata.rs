@@ -247,7 +247,7 @@ fn profile(bottom_m: f64, beds: &[Bed], rng: &mut Rng) -> Vec<(f64, f64)> {
             let take = |thick: f64| if left - thick < 0.5 { left } else { thick };
             match bed.habit {
                 Habit::Cliff => {
-                    // Massive courses and thin ones, each set back by a ledge of up to half a metre.
+                    // Massive courses and thin ones, each set back by a ledge of some decimetres.
                     let rise = take(rng.lognormal(4.2, 0.7).clamp(1.0, 17.0));
                     let ledge = (rise * 0.25).min(rng.lognormal(0.08, 0.6).clamp(0.04, 0.24));
                     course(rise - ledge, rng.lognormal(24.0, 0.4).clamp(8.0, 50.0), &mut h);

@@ -255,8 +255,8 @@ impl<'a> Relief<'a> {
         smoothstep(0.45, 0.95, ridged(p, self.seeds.joints ^ 0x707, 8.5, 2, 0.5))
     }
 
-    /// Height of the ribs between the rills of slopes of soil and scree, m, negative in the rills, about -0.4..0.45: noise smeared along the fall line,
-    /// so that their spacing is as uneven as the noise.
+    /// Height of the ribs between the rills of slopes of soil and scree, m, negative in the rills, about -0.4..0.45: noise
+    /// smeared along the fall line, so that their spacing is as uneven as the noise.
     fn rills(&self, p: DVec2, distance_m: f64, scree_m: f64) -> f64 {
         const REACH_M: f64 = 1.5;
         let of = |d: f64| self.strata.height_at(d);
